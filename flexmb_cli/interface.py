@@ -17,6 +17,7 @@ from .result import OpenDeck, Result
 
 if TYPE_CHECKING:
     from .run.check.check import CheckReport
+    from .run.earlier_results import EarlierResults
     from .run.outcome import Listener, Outcome, RunOptions, TextStream
     from .run.solution import Solution
     from .study.sweep import Sweep
@@ -66,16 +67,18 @@ def solve_to_files(
     options: "RunOptions | None" = None,
     listener: "Listener | None" = None,
     stdout: "TextStream | None" = None,
+    earlier: "EarlierResults | None" = None,
 ) -> "Outcome":
     """Solve a deck and write its listing and its HDF5 file, as `flexmb run`.
 
-    `listener` receives the progress of the run, `stdout` the listing where `options.out` is "-".  Nothing
-    is raised: the outcome has exit code, faults and the files written.
+    `listener` receives the progress of the run, `stdout` the listing where `options.out` is "-"; `earlier`:
+    the files in the places of its results, if the caller has looked.  Nothing is raised: the outcome has
+    exit code, faults and the files written.
     """
     from .run.outcome import RunOptions
     from .run.solution import run_deck
 
-    return run_deck(os.fspath(deck), options or RunOptions(), listener, stdout)
+    return run_deck(os.fspath(deck), options or RunOptions(), listener, stdout, earlier)
 
 
 def solve(deck: OpenDeck | str | os.PathLike[str], **options: float | str) -> Result:

@@ -13,6 +13,7 @@ from fault_words import words
 PAGE = TOP / "docs" / "reference" / "messages.md"
 # Identifiers of faults that are no longer reported, and what took their place; none is given again.
 RETIRED = {
+    "DAFMS-076": "DECK-066", "YOUNG-155": "DECK-066",
     "DAFMS-184": "DAFMS-173", "SOLVE-004": "SOLVE-042", "VSDF-177": "", "VSDF-178": "",
     "DECK-015": "", "DECK-017": "", "FE-017": "FE-199", "FE-035": "FE-199", "FE-098": "FE-054",
     "FE-198": "", "FE-203": "FE-202", "MODEL-009": "SOLVE-028", "MODEL-014": "MODEL-015",

@@ -9,7 +9,6 @@ import click
 
 from ..dialects.recognise import every_dialect
 from ..results.files.replaced_file import make_folder, write_together
-from .options.output_file import example_names
 
 PACKAGE = Path(__file__).resolve().parents[1]
 # In a wheel the decks lie in the package, in a checkout beside it.
@@ -17,6 +16,11 @@ PLACES = (PACKAGE / "decks", PACKAGE.parent / "decks")
 SUFFIXES = {Path(each.new_name).suffix: each.title for each in reversed([*every_dialect()])} | {
     ".toml": "study"
 }
+
+
+def example_names(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[str]:
+    """Return the names of the supplied decks."""
+    return [name for name in supplied() if name.startswith(incomplete)]
 
 
 @click.command()

@@ -4,7 +4,6 @@ import json
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from pathlib import PurePath
 from typing import Any
 
 import click
@@ -13,6 +12,7 @@ from ..deck.several_models import named_model
 from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT
 from ..model.integrators import METHOD_OPTIONS, TREE_METHODS
 from ..results.files.file_names import refuse_shared
+from ..run.earlier_results import EarlierResults
 from ..run.outcome import SOLVER_OPTIONS, Listener, Outcome, RunOptions, Stop
 from ..run.processes.signal_mask import stop_on_signals
 from .options.deck_options import DECK, deck_options, refuse_strange_models, show_faults, with_models
@@ -77,10 +77,11 @@ def run(decks: Any, as_json: bool, quiet: bool, verbose: bool, jobs: int, **opti
     integration = _given(options, rtol="rtol", atol="atol", method="method")
     choices = RunOptions(solver=solver, integration=integration, debug=wants_debug(), **options)
     refuse_strange_models(decks, choices.changes)
-    _refuse_shared_files(decks, choices)
+    earlier = {deck: EarlierResults(deck, choices) for deck in decks}
+    _refuse_shared_files(earlier, decks, choices)
     stop_on_signals()
     codes = []
-    for outcome in _all_outcomes(decks, choices, jobs, quiet, verbose):
+    for outcome in _all_outcomes(earlier, choices, jobs, quiet, verbose):
         if outcome.echo:
             show(outcome.echo, err=True)
         _report_outcome(outcome, choices, quiet, verbose)
@@ -131,62 +132,56 @@ def _given(options: dict[Any, Any], **names: Any) -> dict[Any, Any]:
 
 
 def _all_outcomes(
-    decks: list[str], options: RunOptions, jobs: int, quiet: bool, verbose: bool
+    earlier: dict[str, EarlierResults], options: RunOptions, jobs: int, quiet: bool, verbose: bool
 ) -> Iterator[Any]:
     """Return what became of every deck; one that was not begun before a stop is as if stopped at its first
     row.
     """
-    from ..run.earlier_results import EarlierResults
-
-    left = list(decks)
-    for outcome in _outcomes(decks, options, jobs, quiet, verbose):
+    left = list(earlier)
+    for outcome in _outcomes(earlier, options, jobs, quiet, verbose):
         left.remove(outcome.deck)
         yield outcome
     for deck in left:
         outcome = Outcome(deck, Stop.code())
-        EarlierResults(deck, options).set_aside(outcome)
+        earlier[deck].set_aside(outcome)
         yield outcome
 
 
 def _outcomes(
-    decks: list[str], options: RunOptions, jobs: int, quiet: bool, verbose: bool
+    earlier: dict[str, EarlierResults], options: RunOptions, jobs: int, quiet: bool, verbose: bool
 ) -> Iterator[Outcome]:
     from .terminal.progress import Progress
 
-    if jobs > 1 and len(decks) > 1:
+    if jobs > 1 and len(earlier) > 1:
         from .terminal.deck_processes import outcomes_in_parallel
 
-        with Progress(f"{len(decks)} decks", "decks", quiet, verbose) as progress:
-            progress.begin(len(decks))
-            for outcome in outcomes_in_parallel(decks, options, jobs, progress):
+        with Progress(f"{len(earlier)} decks", "decks", quiet, verbose) as progress:
+            progress.begin(len(earlier))
+            for outcome in outcomes_in_parallel(earlier, options, jobs, progress):
                 progress.advance(1)
                 progress.clear()
                 yield outcome
         return
     from .. import interface
 
-    for deck in decks:
+    for deck, standing in earlier.items():
         if Stop.asked is not None:
             return
         # The status line ends before anything is said of the outcome.
         with Progress(deck, "rows", quiet, verbose) as progress:
             listener = Listener(progress.begin, progress.advance, progress.notice, progress.status)
-            outcome = interface.solve_to_files(deck, options, listener, standard_output())
+            outcome = interface.solve_to_files(deck, options, listener, standard_output(), standing)
         yield outcome
 
 
-def _refuse_shared_files(decks: Sequence[str], options: RunOptions) -> None:
+def _refuse_shared_files(
+    earlier: dict[str, EarlierResults], decks: Sequence[str], options: RunOptions
+) -> None:
     """Two decks that would write the same file are refused before anything is solved."""
-
-    from ..run.earlier_results import dialect_of, paths_of
 
     if len(decks) > 1 and (options.h5 or options.out not in (None, "-")):
         raise WrongCall("--out and --h5 name one file: give one deck, or use --output-dir", id="CLI-053")
-    results = []
-    for path, model in map(named_model, decks):
-        name = path if path == "-" else PurePath(path).name
-        results.append((path, paths_of(name, dialect_of(path, options), options, model)))
-    refuse_shared(results, decks)
+    refuse_shared([(named_model(deck)[0], earlier[deck].paths) for deck in decks], decks)
 
 
 def _report_outcome(outcome: Outcome, options: RunOptions, quiet: bool, verbose: bool) -> None:

@@ -1,8 +1,8 @@
 """Cards of shapes, the same in all dialects: primitives by their sizes, and STL files, on rigid bodies."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import chain
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,30 +13,51 @@ from ..deck.records import DeckValues
 from ..fe.formats.matrix_file import FEFileFault
 from ..fe.formats.stl import read_stl
 from ..model.diagnostics import Findings
-from ..model.exchange.shapes import RigidShape
-from ..model.shapes import LARGEST_LENGTH, Shape, fault_of_sizes, moved, primitive
+from ..model.shapes import KINDS, LARGEST_LENGTH, Shape, ShapeCard, fault_of_sizes, moved, primitive
 
-OFFSET = tuple(f"offset.{axis}" for axis in "xyz")
-ANGLES = ("alpha", "beta", "gamma")
-
-
-MOST_OF_ALL_SHAPES = 1_000_000  # of a deck: hundreds of its lines may name one large file
+MOST_OF_ALL_SHAPES = 1_000_000  # triangles of a deck: hundreds of its lines may name one large file
 
 
 @dataclass(frozen=True)
 class Keys:
-    """Names of a dialect for the numbers of a shape: body, sizes, offset (m) and angles (rad)."""
+    """Names of a dialect for the numbers of a shape: body, shape, sizes, offset (m) and angles (rad).
+
+    `words`: those of a dialect that names the shapes of `KINDS` by words, and not from 1 on.
+    """
 
     body: str = "body"
+    shape: str = "shape"
     sizes: tuple[str, ...] = ("a", "b", "c")
-    offset: tuple[str, ...] = OFFSET
-    angles: tuple[str, ...] = ANGLES
+    offset: tuple[str, ...] = ("offset.x", "offset.y", "offset.z")
+    angles: tuple[str, ...] = ("alpha", "beta", "gamma")
+    words: tuple[str, ...] = ()
 
 
-def on_rigid_body(record: Record, keys: Keys, rigid: Sequence[bool], findings: Findings) -> bool:
-    """Return whether the body of a card exists and does not deform; else a fault.  `rigid`: of bodies 1, 2,
-    ...
+def build_shapes(
+    deck: Deck | DeckValues, rigid: Sequence[bool], folder: Path, findings: Findings, keys: Keys = Keys()
+) -> tuple[Shape, ...]:
+    """Return the primitives, then the STL shapes, of the sections "shape" and "shape_file".
+
+    `rigid`: of bodies 1, 2, ...; file names are relative to `folder`.
     """
+    shapes: list[Shape] = []
+    count = 0
+    makers = ("shape", _primitive), ("shape_file", partial(_stl_shape, folder))
+    for record, make in ((record, make) for section, make in makers for record in deck.section(section)):
+        shape = make(record, keys, findings) if _on_rigid_body(record, keys, rigid, findings) else None
+        if shape is None:
+            continue
+        shapes.append(shape)
+        count += len(shape.triangles)
+        if count > MOST_OF_ALL_SHAPES:
+            message = f"the shapes of a deck have at most {MOST_OF_ALL_SHAPES} triangles together; draw fewer"
+            findings.error(record.subject, message, record.place, id="DECK-041")
+            break
+    return tuple(shapes)
+
+
+def _on_rigid_body(record: Record, keys: Keys, rigid: Sequence[bool], findings: Findings) -> bool:
+    """Return whether the body of a card exists and does not deform, with a fault noted if not."""
     number = record.at(keys.body)
     if not 0 <= number.value <= len(rigid):
         message = f"body number {number.value} is outside 0..{len(rigid)}"
@@ -51,47 +72,15 @@ def on_rigid_body(record: Record, keys: Keys, rigid: Sequence[bool], findings: F
     return True
 
 
-def shapes_of(
-    section: Callable[[str], Sequence[Record]],
-    primitive_of_card: Callable[[Record], Shape | None],
-    rigid: Sequence[bool],
-    folder: Path,
-    findings: Findings,
-) -> tuple[Shape, ...]:
-    """Return the primitives, then the STL shapes, of the sections "shape" and "shape_file".
-
-    `rigid`: of bodies 1, 2, ...; file names are relative to `folder`.
-    """
-    keys = Keys()
-    primitives = (
-        (record, primitive_of_card(record))
-        for record in section("shape")
-        if on_rigid_body(record, keys, rigid, findings)
-    )
-    surfaces = (
-        (record, stl_shape_of(record, keys, folder, findings))
-        for record in section("shape_file")
-        if on_rigid_body(record, keys, rigid, findings)
-    )
-    return few_enough(chain(primitives, surfaces), findings)
-
-
-def few_enough(found: Iterable[tuple[Record, Shape | None]], findings: Findings) -> tuple[Shape, ...]:
-    """Return the shapes of records, and a fault where they have too many triangles together."""
-    shapes: list[Shape] = []
-    count = 0
-    for record, shape in found:
-        count += len(shape.triangles) if shape else 0
-        if count > MOST_OF_ALL_SHAPES:
-            message = f"the shapes of a deck have at most {MOST_OF_ALL_SHAPES} triangles together; draw fewer"
-            findings.error(record.subject, message, record.place, id="DECK-041")
-            break
-        shapes += [shape] if shape else []
-    return tuple(shapes)
-
-
-def primitive_of(record: Record, kind: str, keys: Keys, findings: Findings) -> Shape | None:
+def _primitive(record: Record, keys: Keys, findings: Findings) -> Shape | None:
     """Return the primitive of a card; None with a fault noted."""
+    number = record.at(keys.shape)
+    code = keys.words.index(number.value) if keys.words else number.value - 1
+    if not 0 <= code < len(KINDS):
+        message = f"{keys.shape} must be within 1..{len(KINDS)}, {', '.join(KINDS)}; read {number.value}"
+        findings.error(record.subject, message, number.place, id="DECK-066")
+        return None
+    kind = KINDS[code]
     sizes = _three(record, keys.sizes)
     wrong = fault_of_sizes(kind, sizes)
     if wrong:
@@ -104,7 +93,7 @@ def primitive_of(record: Record, kind: str, keys: Keys, findings: Findings) -> S
     return primitive(record[keys.body], kind, sizes, *_placed(record, keys))
 
 
-def stl_shape_of(record: Record, keys: Keys, folder: Path, findings: Findings) -> Shape | None:
+def _stl_shape(folder: Path, record: Record, keys: Keys, findings: Findings) -> Shape | None:
     """Return the surface in the STL `file` of a card, in units of `unit` m; None with a fault noted."""
     unit, name = record.at("unit"), record.at("file")
     if not unit.value > 0:
@@ -125,7 +114,10 @@ def stl_shape_of(record: Record, keys: Keys, folder: Path, findings: Findings) -
         return None
     if _is_far(record, keys, findings):
         return None
-    return Shape(record[keys.body], moved(unit.value * vertices, *_placed(record, keys)), triangles)
+    offset, angles = _placed(record, keys)
+    body, sizes = record[keys.body], (0.0, 0.0, 0.0)
+    card = ShapeCard(body - 1, "", sizes, offset, angles, name.value, unit.value)
+    return Shape(body, moved(unit.value * vertices, offset, angles), triangles, card)
 
 
 def _is_far(record: Record, keys: Keys, findings: Findings) -> bool:
@@ -136,23 +128,6 @@ def _is_far(record: Record, keys: Keys, findings: Findings) -> bool:
             findings.error(record.subject, message, number.place, id="DECK-043")
             return True
     return False
-
-
-def rigid_shapes(
-    values: Deck | DeckValues, keys: Keys, kind_of: Callable[[Record], str]
-) -> tuple[RigidShape, ...]:
-    """Return the shapes of a deck's cards as they are, bodies counted from 0 and the ground -1."""
-    found = []
-    for record in values.section("shape"):
-        sizes, (offset, angles) = _three(record, keys.sizes), _placed(record, keys)
-        found.append(RigidShape(record[keys.body] - 1, kind_of(record), sizes, offset, angles))
-    for record in values.section("shape_file"):
-        offset, angles = _placed(record, keys)
-        place = {"offset": offset, "angles": angles}
-        found.append(
-            RigidShape(record[keys.body] - 1, "", **place, file=str(record["file"]), unit=record["unit"])
-        )
-    return tuple(found)
 
 
 def _placed(record: Record, keys: Keys) -> tuple[Any, Any]:

@@ -7,19 +7,15 @@ whose axes are global.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..errors import Place
 from .joints import JOINT_TYPES, NODE_JOINT_TYPES
 from .laws import Element, Law
 from .mechanism import Vector
 from .time_functions import MotionFunction
-
-if TYPE_CHECKING:
-    from .flexible_mechanism import FlexibleMechanism
-    from .loads import DynamicModel
 
 USUAL_EXPONENT = 10  # of two, of the largest factor of a coupling that is left as it is
 # The coordinates that the joints of each type have.
@@ -117,19 +113,8 @@ class JointElements:
         """Return the tuples of all types."""
         return [getattr(self, field.name) for field in fields(self)]
 
-    @property
-    def constrain(self) -> bool:
-        """Return whether some of them are equations."""
-        return any((self.drivers, self.driven, self.supports, self.couplings, self.composites))
 
-
-def element_names(model: "DynamicModel | FlexibleMechanism") -> list[tuple[str, str]]:
-    """Name of every spring and element and unit of its coordinate, "m" or "rad"."""
-    found = [part for item in model.springs for part in item.parts]
-    return found + list(names_of(model.elements))
-
-
-def names_of(elements: JointElements) -> Iterator[tuple[str, str]]:
-    """Name of every force element, of each part of it, and unit of its coordinate."""
-    for item in elements.forces:
+def names_of(elements: JointElements, springs: Iterable[Element] = ()) -> Iterator[tuple[str, str]]:
+    """Yield the name of each part of every spring and element, and the unit of its coordinate, m or rad."""
+    for item in (*springs, *elements.forces):
         yield from item.parts

@@ -32,9 +32,26 @@ DIGITS = 12
 _CUBE = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 
 
+@dataclass(frozen=True)
+class ShapeCard:
+    """A primitive of one of `KINDS`, or an STL `file` in units of `unit` m, as its card gives it.
+
+    `body` counts from 0, -1 is the ground; the middle (origin of a file) `offset`, m, and the `angles`, rad,
+    about the fixed axes x, y, z in turn are in its axes.
+    """
+
+    body: int
+    kind: str
+    sizes: Vector
+    offset: Vector
+    angles: Vector
+    file: str = ""
+    unit: float = 1.0
+
+
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A surface fixed to the body of number `body`, 0 the ground, as the deck counts.
+    """A surface fixed to the body of number `body`, 0 the ground, as the deck counts, and its card.
 
     `vertices` (n, 3), m, axes of the body; `triangles` (m, 3): rows of vertices, anticlockwise
     from outside.
@@ -43,6 +60,7 @@ class Shape:
     body: int
     vertices: np.ndarray
     triangles: np.ndarray
+    card: ShapeCard | None = None
 
 
 def fault_of_sizes(kind: str, sizes: Vector) -> tuple[int, str] | None:
@@ -71,7 +89,8 @@ def primitive(body: int, kind: str, sizes: Vector, offset: Vector, angles: Vecto
         SPHERE: tuple(_rounded((a * s, -a * k)) for k, s in map(_turned, range(CIRCLES + 2))),
     }
     vertices, triangles = _box(sizes) if kind == BOX else _revolved(rings[kind])
-    return Shape(body, moved(vertices, offset, angles), triangles)
+    card = ShapeCard(body - 1, kind, sizes, offset, angles)
+    return Shape(body, moved(vertices, offset, angles), triangles, card)
 
 
 def _turned(k: int) -> tuple[Any, Any]:

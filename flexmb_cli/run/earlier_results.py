@@ -5,6 +5,7 @@ import re
 from itertools import count
 from pathlib import Path
 
+from ..deck.record import Deck
 from ..deck.several_models import named_model
 from ..dialects import DIALECTS
 from ..dialects.recognise import recognise
@@ -19,7 +20,7 @@ _CONVERTED = re.compile(
 )
 
 
-def dialect_of(path: str, options: RunOptions) -> str:
+def _dialect_of(path: str, options: RunOptions) -> str:
     """Return the dialect of a deck by its beginning, "auto" if it has none; its run reports the faults."""
     # What is no regular file can be read only once.
     if options.dialect != "auto" or not os.path.isfile(path):
@@ -40,19 +41,27 @@ def paths_of(name: str, dialect: str, options: RunOptions, model: int) -> Result
 class EarlierResults:
     """The files that stand in the places of the results of the deck at `path`; make it before the run.
 
-    Results of all dialects count where that of the deck is unknown.
+    `paths`: where its results go by its `dialect`, "auto" where it has none: then those of all count.
     """
 
     def __init__(self, path: str, options: RunOptions):
         name, model = named_model(path)
         self.deck = name if name == STANDARD_INPUT else Path(name).name
-        dialect = dialect_of(name, options)
+        self.dialect = _dialect_of(name, options)
+        self.paths = paths_of(self.deck, self.dialect, options, model)
+        others = (paths_of(self.deck, known, options, model) for known in DIALECTS)
         self._standing = {
             file: state
-            for known in ([dialect] if dialect in DIALECTS else DIALECTS)
-            for file in paths_of(self.deck, known, options, model).files
+            for paths in ([self.paths] if self.dialect in DIALECTS else others)
+            for file in paths.files
             if (state := _state(file)) and state != _state(name)  # not the deck itself
         }
+
+    def paths_of(self, deck: Deck, options: RunOptions) -> ResultPaths:
+        """Return where the results of the deck go, once it is read."""
+        if deck.dialect == self.dialect:
+            return self.paths
+        return paths_of(self.deck, deck.dialect, options, deck.model)
 
     def set_aside(self, outcome: Outcome) -> None:
         """Rename the results of an earlier run, and warn, where the run that ended left none of its own."""

@@ -6,7 +6,7 @@
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 from .. import __version__
@@ -15,7 +15,7 @@ from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
 from ..results.files.file_names import ResultPaths, refuse_foreign
 from ..solvers.compilation import report_damage
 from .checkpoint import ResumeFile
-from .earlier_results import EarlierResults, paths_of
+from .earlier_results import EarlierResults
 from .model import model_of, module_for, open_deck, own_options, warn_of_foreign_options
 from .outcome import (
     Listener,
@@ -294,22 +294,27 @@ class _RowWriter:
 
 
 def run_deck(
-    path: str, options: RunOptions, listener: Listener | None = None, stdout: TextStream | None = None
+    path: str,
+    options: RunOptions,
+    listener: Listener | None = None,
+    stdout: TextStream | None = None,
+    earlier: EarlierResults | None = None,
 ) -> Outcome:
     """Read, solve and write the deck at `path` ("-": standard input).
 
-    `stdout` receives the OUT table of `--out -`.  Faults of the deck, a full disk and stops by signals are in
+    `stdout` receives the OUT table of `--out -`; `earlier`: the results that stand in the places of its
+    own, if the caller has looked.  Faults of the deck, a full disk and stops by signals are in
     the outcome; they raise nothing.
     """
-    outcome, earlier = Outcome(path), EarlierResults(path, options)
+    outcome, earlier = Outcome(path), earlier or EarlierResults(path, options)
     with ending_recorded(outcome, options):
         with Stop.released():
-            deck = open_deck(path, options, outcome)
+            deck = open_deck(path, replace(options, dialect=earlier.dialect), outcome)
         warn_of_foreign_options(deck, options, outcome)
         run = Run(
             outcome, own_options(deck, options), (listener or Listener()).kept_in(outcome.notices), stdout
         )
-        paths = paths_of(deck.source.name, deck.dialect, options, deck.model)
+        paths = earlier.paths_of(deck, options)
         try:
             refuse_foreign((file for file in paths.files if file not in paths.named), options.force)
             solve_deck(deck, paths, run)

@@ -82,13 +82,6 @@ def quantities(context: click.Context, parameter: click.Parameter, incomplete: s
     return [name for name in known if name.startswith(incomplete)]
 
 
-def example_names(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[str]:
-    """Return the names of the supplied decks."""
-    from ..examples import supplied
-
-    return [name for name in supplied() if name.startswith(incomplete)]
-
-
 _DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(e[-+]?\d+)?", re.IGNORECASE)
 _WIDTH = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))\s*(mm|cm|in)?", re.IGNORECASE | re.ASCII)
 _MILLIMETRES = {"mm": 1.0, "cm": 10.0, "in": 25.4}

@@ -3,7 +3,7 @@
 import signal
 import sys
 from collections import deque
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -22,15 +22,15 @@ KILLED = (
 
 
 def outcomes_in_parallel(
-    decks: Sequence[str], options: RunOptions, jobs: int, progress: Progress
+    earlier: dict[str, EarlierResults], options: RunOptions, jobs: int, progress: Progress
 ) -> Iterator[Outcome]:
     """Return what became of every deck, in order; after a stop, of those that had been begun."""
     from ...run.processes.signal_mask import outlive_workers
 
     outlive_workers()
-    work = _Work(options, jobs, progress, deque(enumerate(decks)))
+    work = _Work(options, jobs, progress, deque(enumerate(earlier)), list(earlier.values()))
     try:
-        for index in range(len(decks)):
+        for index in range(len(earlier)):
             while index not in work.ended:
                 work.proceed()
             yield work.ended.pop(index)
@@ -64,10 +64,10 @@ class _Work:
     jobs: int
     progress: Progress
     waiting: deque[tuple[int, str]]
+    earlier: list[EarlierResults]
     running: dict[Worker, tuple[int, str]] = field(default_factory=dict)
     idle: list[Worker] = field(default_factory=list)
     ended: dict[int, Outcome] = field(default_factory=dict)
-    earlier: dict[int, EarlierResults] = field(default_factory=dict)
     reported: set[Remark] = field(default_factory=set)
     fault: BaseException | None = None
 
@@ -82,7 +82,6 @@ class _Work:
             raise self.fault
 
     def _begin(self, index: int, deck: str) -> None:
-        self.earlier[index] = EarlierResults(deck, self.options)
         while self.idle:
             worker = self.idle.pop()
             if worker.send(deck):

@@ -19,11 +19,6 @@ HERE = Path()
 GRAVITY = (0.0, 9.8, 0.0)
 
 
-def build_model(deck: Deck, folder: Path) -> tuple[Tree, list[Fault]]:
-    """Return the tree, and the warnings about it; tables are files of `folder`.  Raises ModelError."""
-    return build_dafms(deck, folder)
-
-
 def build_dafms(deck: Deck, folder: Path = HERE) -> tuple[Tree, list[Fault]]:
     """The tree that `deck` describes, and what was doubtful.
 
@@ -72,10 +67,12 @@ def build_dafms(deck: Deck, folder: Path = HERE) -> tuple[Tree, list[Fault]]:
 def _shapes(values: DeckValues, findings: Findings) -> Any:
     if not values.section("shape"):
         return ()
-    # Few decks have any.
-    from .shapes import build_shapes
+    from ..body_shapes import Keys, build_shapes
 
-    return build_shapes(values, findings)
+    keys = Keys("K", "IS", ("SA", "SB", "SC"), ("SO1", "SO2", "SO3"), ("SW1", "SW2", "SW3"))
+    count = values.number("counts", 0, "N").value
+    rigid = [values.number("counts", k, "NUMNP").value == 0 for k in range(1, count + 1)]
+    return build_shapes(values, rigid, HERE, findings, keys)
 
 
 def _stop_at_errors(deck: Deck, findings: Findings) -> None:

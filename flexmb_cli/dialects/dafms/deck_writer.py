@@ -39,9 +39,9 @@ def beam_of(record: Record) -> Beam:
     return Beam(*(given[name] for name in names))
 
 
-def deck_lines(records: Sequence[Record]) -> list[Line]:
-    """The deck in pieces, none before there is a body."""
-    return _Deck(records).lines() if any(record.section == "body" for record in records) else []
+def deck_lines(records: Sequence[Record], block: Sequence[str] = ()) -> list[Line]:
+    """The deck in pieces, none before there is a body; `block`: lines of elements that no record holds."""
+    return _Deck(records).lines(block) if any(record.section == "body" for record in records) else []
 
 
 def _field(record: Record, value: Number) -> tuple[str, str]:
@@ -84,7 +84,7 @@ class _Deck:
         self.sizes = {r.number: (r["NUMNP"], r["NDF"]) for r in self.of["elastic"] if r.number in typed}
         self.sizes |= {k: (beam.nodes, len(beam.axes)) for k, beam in self.beams.items()}
 
-    def lines(self) -> list[Line]:
+    def lines(self, block: Sequence[str]) -> list[Line]:
         title = self.of["title"][0]
         lines: list[Line] = [*_integers([len(self.bodies), self.counts["NDM"]])]
         lines += [[("DFMB ", ""), *((n.text, "title.text") for n in title.numbers)], *self._control()]
@@ -98,7 +98,8 @@ class _Deck:
         for word in (*OPTIONAL, "GEOM"):
             if self.of[CARDS[word].section] or (CARDS[word].layout == "switch" and self.counts[word]):
                 lines += self._card(CARDS[word])
-        return [*lines, *block_lines(self.records), *([(word, "")] for word in ("END ", "STAR", "STOP"))]
+        lines += [*block_lines(self.records), *([(line, "")] for line in block)]
+        return [*lines, *([(word, "")] for word in ("END ", "STAR", "STOP"))]
 
     def _control(self) -> list[Line]:
         lines: list[Line] = []

@@ -8,20 +8,32 @@ from typing import Any
 from ...deck.record import Deck, Record
 from ...deck.records import DeckValues
 from ...errors import Fault, ModelError
+from ...fe.build_mechanism import flexible_mechanism
 from ...model.diagnostics import Findings
 from ...model.fe_model import VsdfBody, VsdfModel
+from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.integrators import METHODS, Integrator
 from ...model.mechanism import TimeGrid
 from ...model.time_checks import MOST_ROWS, unsteppable
 from ..elements_block.functions import Functions
 from .block_elements import block_elements, moved_pins
 from .bodies import build_bodies, build_ground
-from .cards.analysis import WITHOUT_CARD
+from .cards.analysis import SHAPES, WITHOUT_CARD
 from .joints import build_joints, build_pins, check_motion_functions
 from .loads import Factors, build_forces, build_joint_springs, build_outputs, build_springs, build_torques
 from .motions import build_motions, build_tables, motions_of
 from .stress_outputs import build_stresses
 from .unused_fields import refuse_unread, warn_of_tables
+
+
+def build_model(deck: Deck, folder: Path) -> tuple[FlexibleMechanism, list[Fault]]:
+    """Return the mechanism and the warnings; file names are relative to `folder`.  Raises ModelError."""
+    model, warnings = build_vsdf(deck, folder)
+    try:
+        mechanism, more = flexible_mechanism(model)
+    except ModelError as failure:
+        raise ModelError((*warnings, *failure.faults)) from failure
+    return mechanism, [*warnings, *more]
 
 
 def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
@@ -72,10 +84,10 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
 def _shapes(values: DeckValues, bodies: Sequence[VsdfBody], folder: Path, findings: Findings) -> Any:
     if not (values.section("shape") or values.section("shape_file")):
         return ()
-    # Few decks have any.
-    from .shapes import build_shapes
+    from ..body_shapes import Keys, build_shapes
 
-    return build_shapes(values, bodies, folder, findings)
+    rigid = [values.number("body", k, "kind").value == "RIGD" for k in range(1, len(bodies) + 1)]
+    return build_shapes(values, rigid, folder, findings, Keys(words=SHAPES))
 
 
 def _time(values: DeckValues, findings: Findings) -> TimeGrid:

@@ -12,7 +12,8 @@ import numpy as np
 from ..laws import FRICTION, At, Frames
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from .function_table import FunctionTable
-from .laws import LAW, fill_bushing, fill_law
+from .laws import fill_bushing, fill_law
+from .records import LAW
 
 if TYPE_CHECKING:
     from ..flexible_mechanism import NodePoint

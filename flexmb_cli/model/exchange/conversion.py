@@ -2,7 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,10 +13,10 @@ from ..joint_elements import Coupling, JointDriver
 from ..joints import ANGLE
 from ..laws import OF_TIME, At, Element, Frames, Joint, Parameter
 from ..mechanism import GROUND, Vector
+from ..shapes import Shape, ShapeCard
 from ..vectors import rotation_matrix
 from .functions import transformed
 from .rigid_model import Refusals, RigidBody, RigidModel, across, vector
-from .shapes import RigidShape
 
 Pose = tuple[np.ndarray, np.ndarray]  # origin (3,), m, and rotation matrix (3, 3), body to global axes
 End = tuple[int, Vector]  # body of the new model, and a point on it
@@ -53,11 +53,16 @@ class Conversion(ABC):
     def model(self) -> RigidModel:
         """Return the rigid model, but for the shapes of its bodies."""
 
-    def converted(self, shapes: Callable[[], tuple[RigidShape, ...]]) -> RigidModel:
-        """Return the model with `shapes`; raises ModelError with all that is not converted."""
-        found = replace(self.model(), shapes=shapes())
+    def converted(self, shapes: Iterable[Shape]) -> RigidModel:
+        """Return the model with the cards of `shapes`; raises ModelError with all that is not converted."""
+        cards = tuple(self.shape(shape.card) for shape in shapes if shape.card)
+        model = replace(self.model(), shapes=cards)
         self.refusals.raise_faults()
-        return found
+        return model
+
+    def shape(self, card: ShapeCard) -> ShapeCard:
+        """Return the card of a shape in the new model."""
+        return card
 
     @abstractmethod
     def joint_coordinate(self, item: Any, joint: int, coordinate: str) -> tuple[int, str, float] | None:

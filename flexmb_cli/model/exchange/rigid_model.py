@@ -16,9 +16,9 @@ from ..joint_elements import Coupling, JointDriver
 from ..laws import Element
 from ..loads import AppliedForce, AppliedTorque
 from ..mechanism import GROUND, Point, TimeGrid, Vector
+from ..shapes import ShapeCard
 from ..time_functions import MotionFunction
 from ..vectors import rotation_matrix
-from .shapes import RigidShape
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +96,7 @@ class RigidModel:
     points: tuple[Point, ...] = ()
     integrator: Integrator = field(default_factory=lambda: Integrator(tolerance=1e-12))
     notes: tuple[str, ...] = ()
-    shapes: tuple[RigidShape, ...] = ()
+    shapes: tuple[ShapeCard, ...] = ()
     elements: tuple[Element, ...] = ()  # bushings' frames coincide in attitude at the start
     couplings: tuple[Coupling, ...] = ()
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ...model.joint_elements import CompositeJoint, element_names
+from ...model.joint_elements import CompositeJoint
 from ...model.joints import ANGLE
 from ...model.loads import DynamicModel, holders
 from .kinematic import kinematic_layout, kinematic_values, readable_names
@@ -109,7 +109,7 @@ def element_layout(model: DynamicModel) -> Layout:
     joints = model.mechanism.joints
     coordinates = coordinate_names(joints, readable_names("joint", joints))
     layout = replace(found, axes=tuple(axes), series=tuple(series))
-    found = with_elements(layout, coordinates, element_names(model), model.elements.couplings)
+    found = with_elements(layout, coordinates, model.elements, model.springs)
     return _with_composites(found, model.elements.composites)
 
 

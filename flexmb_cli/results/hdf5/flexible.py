@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
-from ...model.joint_elements import element_names
 from .layout import (
     BODY_MOTION,
     DRIVER,
@@ -96,7 +95,7 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
     found = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), tuple(_constants(mechanism)))
     if mechanism.elements:
         coordinates = coordinate_names(mechanism.joints, [joint.name for joint in mechanism.joints])
-        found = with_elements(found, coordinates, element_names(mechanism), mechanism.elements.couplings)
+        found = with_elements(found, coordinates, mechanism.elements, mechanism.springs)
     return with_shapes(found, mechanism.shapes)
 
 

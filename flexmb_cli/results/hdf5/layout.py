@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...model.joint_elements import Coupling
+from ...model.joint_elements import JointElements, names_of
 from ...model.joints import ANGLE
-from ...model.laws import is_angle
+from ...model.laws import Element, is_angle
 
 if TYPE_CHECKING:
     from ...model.shapes import Shape
@@ -187,17 +187,18 @@ SERIES = JOINT_SERIES | OF_ELEMENTS
 def with_elements(
     layout: Layout,
     coordinates: Sequence[tuple[str, str]],
-    elements: Sequence[tuple[str, str]],
-    couplings: Sequence[Coupling],
+    elements: JointElements,
+    springs: Sequence[Element] = (),
 ) -> Layout:
-    """The layout with axes and series of joint coordinates and elements, pairs of name and unit, and
-    couplings.
-    """
+    """The layout with axes and series of joint coordinates, pairs of name and unit, and of elements."""
     axes = list(layout.axes)
     # The effort at a factor of 1: a coupling of a stroke is an equation of lengths.
-    angular = {item.name: all(is_angle(coordinate) for _, coordinate, _ in item.terms) for item in couplings}
+    angular = {
+        item.name: all(is_angle(coordinate) for _, coordinate, _ in item.terms) for item in elements.couplings
+    }
     of_couplings = [(name, "N m" if of_angles else "N") for name, of_angles in angular.items()]
-    for kind, names in (("coordinate", coordinates), ("element", elements), ("coupling", of_couplings)):
+    named = list(names_of(elements, springs))
+    for kind, names in (("coordinate", coordinates), ("element", named), ("coupling", of_couplings)):
         if names:
             texts, units = zip(*names, strict=True)
             axes.append(with_units(numbered_axis(kind, texts), kind, units))

@@ -6,7 +6,6 @@ Report rows come as values by the path of their dataset, so that a stopped run c
 from dataclasses import replace
 from typing import TYPE_CHECKING, cast
 
-from ...model.joint_elements import names_of
 from ...model.laws import is_angle
 from ...model.tree import ELASTIC, ROTATION, Body, Tree
 from .layout import (
@@ -99,8 +98,7 @@ def tree_layout(tree: Tree, points: list[str], reactions: bool) -> Layout:
         series += OF_CLOSURES.values()
     layout = Layout("dynamic", tree.time.rows, tuple(axes), tuple(series), tree_geometry(tree))
     if tree.elements:
-        names, couplings = list(names_of(tree.elements)), tree.elements.couplings
-        layout = with_elements(_with_drivers(layout, tree), (), names, couplings)
+        layout = with_elements(_with_drivers(layout, tree), (), tree.elements)
     return with_shapes(layout, tree.shapes)
 
 

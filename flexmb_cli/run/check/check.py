@@ -18,7 +18,35 @@ if TYPE_CHECKING:
     from ...model.mechanism import Mechanism, TimeGrid
     from ...solvers.constrained.analysis import ConstrainedMotion
     from ...solvers.singular.mobility import Mobility
-    from .tree import TreeFindings
+
+
+@dataclass
+class TreeFindings:
+    """Findings of `check` about a tree; None where the start could not be evaluated.
+
+    `coordinates`: (name, unit, coordinate, speed) at the start, loops closed; `lightest`: the
+    coordinate with the least inertia left of its body's own, and that share; `gaps`: (closure, gap as
+    given, gap after assembly, m); `redundant`: closed directions that others close too; `energies`:
+    J by name; `elastic`: (body, nodes, coordinates, lowest and highest frequency with the root held, Hz).
+    """
+
+    coordinates: list[tuple[str, str, float, float]]
+    lightest: tuple[str, float] | None
+    gaps: list[tuple[str, float, float]]
+    redundant: list[str]
+    energies: dict[str, float]
+    elastic: list[tuple[str, int, int, float, float]]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain record for `--json`."""
+        return {
+            "coordinates": _named(("name", "unit", "q", "u"), self.coordinates),
+            "least_inertia": None if self.lightest is None else list(self.lightest),
+            "assembly": _named(("closure", "given", "assembled"), self.gaps),
+            "redundant": self.redundant,
+            "energies": self.energies,
+            "elastic": _named(("body", "nodes", "coordinates", "lowest_hz", "highest_hz"), self.elastic),
+        }
 
 
 @dataclass
@@ -41,7 +69,7 @@ class CheckReport:
     rank: int | None = None
     redundant: list[Any] | None = None
     free: list[Any] | None = None
-    tree: "TreeFindings | None" = None
+    tree: TreeFindings | None = None
     bodies: Sequence[Any] | None = None
     smallest: float | None = None
     gaps: list[Any] = field(default_factory=list)
@@ -241,3 +269,7 @@ def refuse_jacobian(jacobian: str | None, reason: str) -> None:
     """Raise ModelError where a Jacobian is requested that the model does not have."""
     if jacobian is not None:
         raise ModelError([Fault("error", f"--jacobian: {reason}", id="RUN-001")])
+
+
+def _named(keys: tuple[str, ...], rows: list[Any]) -> list[dict[str, Any]]:
+    return [dict(zip(keys, row, strict=True)) for row in rows]

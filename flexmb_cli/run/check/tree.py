@@ -3,7 +3,7 @@
 Small trees are evaluated by the same kernels left uncompiled, so that `check` answers at once.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,42 +15,13 @@ from ...model.tree import ELASTIC, Tree
 from ...model.unit_checks import unit_warnings
 from ...solvers.tree.loop_assembly import closed_rows
 from ..outcome import Run
-from .check import CheckReport, refuse_jacobian
+from .check import CheckReport, TreeFindings, refuse_jacobian
 
 if TYPE_CHECKING:
     from ...solvers.tree.analysis import TreeAnalysis
 
 
 MOST_COORDINATES_INTERPRETED = 400  # coordinates
-
-
-@dataclass
-class TreeFindings:
-    """Findings of `check` about a tree; None where the start could not be evaluated.
-
-    `coordinates`: (name, unit, coordinate, speed) at the start, loops closed; `lightest`: the
-    coordinate with the least inertia left of its body's own, and that share; `gaps`: (closure, gap as
-    given, gap after assembly, m); `redundant`: closed directions that others close too; `energies`:
-    J by name; `elastic`: (body, nodes, coordinates, lowest and highest frequency with the root held, Hz).
-    """
-
-    coordinates: list[tuple[str, str, float, float]]
-    lightest: tuple[str, float] | None
-    gaps: list[tuple[str, float, float]]
-    redundant: list[str]
-    energies: dict[str, float]
-    elastic: list[tuple[str, int, int, float, float]]
-
-    def as_dict(self) -> dict[str, Any]:
-        """Plain record for `--json`."""
-        return {
-            "coordinates": _named(("name", "unit", "q", "u"), self.coordinates),
-            "least_inertia": None if self.lightest is None else list(self.lightest),
-            "assembly": _named(("closure", "given", "assembled"), self.gaps),
-            "redundant": self.redundant,
-            "energies": self.energies,
-            "elastic": _named(("body", "nodes", "coordinates", "lowest_hz", "highest_hz"), self.elastic),
-        }
 
 
 def check(report: CheckReport, tree: Tree, run: Run, jacobian: str | None) -> None:
@@ -146,7 +117,3 @@ def _spectrum(body: Any) -> tuple[str, int, int, float, float]:
     values = np.linalg.eigvalsh(elastic.stiffness / np.outer(roots, roots))
     lowest, highest = (float(np.sqrt(abs(value))) / (2 * np.pi) for value in (values[0], values[-1]))
     return body.name, len(elastic.masses), elastic.coordinates, lowest, highest
-
-
-def _named(keys: tuple[str, ...], rows: list[Any]) -> list[dict[str, Any]]:
-    return [dict(zip(keys, row, strict=True)) for row in rows]

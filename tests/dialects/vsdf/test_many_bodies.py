@@ -13,8 +13,7 @@ import pytest
 from flexmb_cli.deck import lazy, many_records, number_table
 from flexmb_cli.deck.record import DeckText
 from flexmb_cli.dialects.recognise import read_deck
-from flexmb_cli.dialects.vsdf.build import build_vsdf
-from flexmb_cli.dialects.vsdf.build_model import build_model
+from flexmb_cli.dialects.vsdf.build import build_model, build_vsdf
 from flexmb_cli.dialects.vsdf.many_bodies import ManyBodies, ManyJoints
 from flexmb_cli.dialects.vsdf.nodes import ManyNodes
 from flexmb_cli.fe import build_mechanism

@@ -5,11 +5,14 @@ hinge gets axes that lie in those of P_k at the start, where all coordinates are
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import Any
 
 import numpy as np
 
+from ....deck.dialogue import text_of
 from ....deck.fortran_fields import filled
+from ....deck.record import Number, Record
 from ....model.exchange.function_cards import FunctionCards
 from ....model.exchange.functions import points_of, value_of
 from ....model.exchange.rigid_model import Refusals, RigidModel
@@ -22,6 +25,7 @@ from ....model.shapes import KINDS
 from ....model.vectors import euler_parameters
 from ...elements_block.writer import BlockWriter, block, numbers
 from ..cards import CARDS
+from ..deck_writer import deck_lines
 from .chain import FREE, Hanging, Link, chain_of, hinge_frame
 
 _APART = 1e-9  # m: of the point of a force from O_k
@@ -34,11 +38,12 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     """Return the deck's text; raises ModelError with all that a tree of rigid bodies cannot have."""
     made = _Deck(model)
     made.refuse_foreign()
-    lines = made.lines() if not made.refusals.items else []
+    records = made.records(title) if not made.refusals.items else []
+    lines = made.block() if not made.refusals.items else []
     made.refusals.raise_faults()
     rounding = f"Numbers are rounded to their columns, relatively by {made.rounding:.1g} at most."
     notes = [f"Units: {units}.", *(f"{note}." for note in model.notes), *made.notes(), rounding]
-    return "\n".join([*lines, "END ", "STAR", "STOP", *notes, ""]).replace("DFMB", f"DFMB {title}", 1)
+    return text_of(deck_lines(records, lines)) + "".join(f"{note}\n" for note in notes)
 
 
 class _Deck(BlockWriter):
@@ -85,16 +90,14 @@ class _Deck(BlockWriter):
             if value_of(item.factor) is None:
                 self.refusals.add(item, "forces in DAFMS are constant", id="DAFMS-180")
 
-    def lines(self) -> Any:
-        """The records up to END."""
+    def records(self, title: str) -> list[Record]:
+        """Return the records of the deck in terms of the table of cards."""
         bodies = [self._hang(link) for link in self.links]
-        N, time = len(bodies), self.model.time
         return [
-            _integers(N, 3), "DFMB",
-            *(self._dofs(k, hung, 1) for k, hung in enumerate(bodies, start=1)),
-            *(self._dofs(k, hung, 0) for k, hung in enumerate(bodies, start=1)),
-            *_lists([0] * N), *_lists([0] * N), _integers(time.rows - 1), self._real(time.step),
-            "CONN", *_lists([self.number[hung.link.parent] for hung in bodies]),
+            self._record("title", 0, text=title),
+            self._record("counts", 0, N=len(bodies), NDM=3, UNCO=0),
+            self._record("time", 0, IT=self.model.time.rows - 1, H=self.model.time.step),
+            *(self._hinge(k, hung) for k, hung in enumerate(bodies, start=1)),
             *self._bodies("MASS", [[self._own(hung).mass] for hung in bodies]),
             *self._inertia(bodies),
             *self._bodies("Q(k)", [hung.point for hung in bodies]),
@@ -102,10 +105,30 @@ class _Deck(BlockWriter):
             *self._bodies("EULL", [_scalar_last(self._parent(hung).T @ hung.frame) for hung in bodies]),
             *self._state(bodies),
             *self._bodies("RC(K", [self._centre(hung) for hung in bodies]),
-            "GRAV", f"{0:5d}" + "".join(self._real(g) for g in self.model.gravity),
-            *self._loads(bodies), *self._block(), *self._shapes(),
-            *([] if self.model.integrator.method == "RK45" else ["METH", _integers(_IMPLICIT)]),
+            self._card("GRAV", 0, *self.model.gravity),
+            *self._loads(bodies), *self._shapes(),
+            *([] if self.model.integrator.method == "RK45" else [self._card("METH", 0, _IMPLICIT)]),
         ]  # fmt: skip
+
+    def _record(self, section: str, number: int, **values: Any) -> Record:
+        numbers = (Number(key, value, "", text=self._spelled(value)) for key, value in values.items())
+        return Record(section, number, section, tuple(numbers))
+
+    def _card(self, word: str, number: int, *values: Any) -> Record:
+        """Return a record of a card; its values in the order of its items."""
+        card = CARDS[word]
+        keys = (item.key for item in card.items[word == "GRAV" :])  # the first of GRAV is not used
+        return self._record(card.section, number, **dict(zip(keys, values, strict=True)))
+
+    def _spelled(self, value: float | str) -> str:
+        """Return the columns of a number; its rounding is kept for the notes."""
+        if isinstance(value, int | str):
+            return str(value)
+        # Round-off of the frames would fill its columns by an exponent.
+        value = 0.0 if abs(value) < _ROUND_OFF else float(value)
+        text = filled(value, 10)
+        self.rounding = max(self.rounding, abs(float(text) - value) / max(abs(value), 1e-3))
+        return text
 
     def _hang(self, link: Link) -> Any:
         """Return the frames of a body, those of its parent being known."""
@@ -143,10 +166,8 @@ class _Deck(BlockWriter):
             body, c, turn = self._own(hung), self._centre(hung), hung.own.T @ self._own(hung).A
             found.append(turn @ body.inertia @ turn.T + body.mass * (c @ c * np.eye(3) - np.outer(c, c)))
         products = [[J[0, 1], J[0, 2], J[1, 2]] for J in found]
-        return [
-            *self._bodies("INER", [np.diag(J) for J in found]),
-            *(self._bodies("PROD", products) if np.abs(products).max() > 1e-15 else []),
-        ]
+        cards = self._bodies("INER", [np.diag(J) for J in found])
+        return cards + (self._bodies("PROD", products) if np.abs(products).max() > 1e-15 else [])
 
     def _state(self, bodies: Sequence[Hanging]) -> Any:
         """Speeds and coordinates: rotations of all bodies, then translations."""
@@ -158,9 +179,8 @@ class _Deck(BlockWriter):
                 place = np.zeros(3) if turning or hung.kind != "free" else hung.origin
                 speeds += [rates[axis - 1] for axis in axes]
                 coordinates += [place[axis - 1] for axis in axes]
-        fields = [self._real(x) for x in (*speeds, *coordinates)]
-        rows = ["".join(fields[i : i + 5]) for i in range(0, len(fields), 5)]
-        return ["Y(L)", *rows] if rows else []
+        pairs = enumerate(zip(speeds, coordinates, strict=True), start=1)
+        return [self._record("state", m, u=u, q=q) for m, (u, q) in pairs]
 
     def _turning(self, hung: Hanging) -> Any:
         model, link = self.model, hung.link
@@ -176,14 +196,19 @@ class _Deck(BlockWriter):
                 velocity = velocity + sign * (own.velocity + np.cross(own.omega, hung.origin - own.r))
         return velocity
 
-    def _dofs(self, k: int, hung: Hanging, which: int) -> Any:
-        axes = hung.free(which)
-        return _integers(k, len(axes), *(int(axis in axes) for axis in (1, 2, 3)))
+    def _hinge(self, k: int, hung: Hanging) -> Record:
+        """Return the parent of a body, and the flags of its free translations and rotations."""
+        flags = {
+            f"{letter}.{axis}": int(axis in hung.free(which))
+            for which, letter in ((1, "NT"), (0, "NR"))
+            for axis in (1, 2, 3)
+        }
+        return self._record("body", k, L=self.number[hung.link.parent], **flags)
 
     def _loads(self, bodies: Sequence[Hanging]) -> Any:
         """Constant forces at O_k and torques, then torques by tables."""
         forces, torques = np.zeros((len(bodies), 3)), np.zeros((len(bodies), 3))
-        tables = []
+        tables: list[Any] = []
         for item in self.model.forces:
             hung = self.hung[item.body]
             if np.linalg.norm(self.model.position(item.body, item.point) - hung.origin) > _APART:
@@ -197,38 +222,42 @@ class _Deck(BlockWriter):
                 torques[k - 1] += value * np.array(item.torque)
             else:
                 tables += self._torque_tables(item, k)
-        cards: list[Any] = []
-        for word, loads in (("FORC", forces), ("TOQU", torques)):
-            cards += self._bodies(word, loads) if np.any(loads) else []
-        return [*cards, *self._entries("TABL", tables)]
+        cards = [self._bodies(w, loads) for w, loads in (("FORC", forces), ("TOQU", torques)) if loads.any()]
+        return [*chain.from_iterable(cards), *self._tables(tables)]
+
+    def _tables(self, tables: Sequence[Any]) -> Iterator[Record]:
+        """Yield the entries of card TABL; of each body, axis and points."""
+        for n, (body, axis, points) in enumerate(tables, start=1):
+            head = self._card("TABL", n, body, axis, len(points))
+            yield head
+            for i, (t, v) in enumerate(points, start=1):
+                yield self._record(f"{head.section}.{n}", i, t=t, f=v)
 
     def _torque_tables(self, item: AppliedTorque, k: int) -> Any:
         points = self._points_at(item, item.factor)
         return [
-            self._table(k, axis, [(t, item.torque[axis - 1] * v) for t, v in points])
+            (k, axis, [(t, item.torque[axis - 1] * v) for t, v in points])
             for axis in (1, 2, 3)
             if item.torque[axis - 1]
         ]
 
-    def _shapes(self) -> list[str]:
-        """Primitives in the axes of O_k; DAFMS names no files."""
-        entries = []
-        for shape in self.model.shapes:
+    def _shapes(self) -> Iterator[Record]:
+        """Yield primitives in the axes of O_k; DAFMS names no files."""
+        shapes = (shape for shape in self.model.shapes if not shape.file)
+        for n, shape in enumerate(shapes, start=1):
             if shape.body != GROUND:
                 body, hung = self.model.bodies[shape.body], self.hung[shape.body]
                 shape = shifted(shape, shape.body, hung.own.T @ (body.r - hung.origin), hung.own.T @ body.A)
-            if not shape.file:
-                head = _integers(self.number[shape.body], KINDS.index(shape.kind) + 1)
-                entries.append(head + "".join(map(self._real, shape.sizes)))
-                entries.append("".join(map(self._real, (*shape.offset, *shape.angles))))
-        return ["GEOM", _integers(len(entries) // 2), *entries] if entries else []
+            kind = KINDS.index(shape.kind) + 1
+            numbers = *shape.sizes, *shape.offset, *shape.angles
+            yield self._card("GEOM", n, self.number[shape.body], kind, *numbers)
 
-    def _bodies(self, word: str, rows: Sequence[Any] | np.ndarray) -> Any:
-        """A card with a record for every body."""
-        return [word, *(f"{k:5d}" + "".join(map(self._real, row)) for k, row in enumerate(rows, start=1))]
+    def _bodies(self, word: str, rows: Sequence[Any] | np.ndarray) -> list[Record]:
+        """Return a record of a card for every body."""
+        return [self._card(word, k, *map(float, row)) for k, row in enumerate(rows, start=1)]
 
-    def _block(self) -> list[str]:
-        """The block of force elements, couplings and prescribed motions."""
+    def block(self) -> list[str]:
+        """Return the block of force elements, couplings and prescribed motions."""
         for item in self.model.elements:
             if isinstance(item.measure, Frames):
                 self._check_axes(item)
@@ -276,34 +305,7 @@ class _Deck(BlockWriter):
             )
         return points or []
 
-    def _table(self, k: int, which: int, points: Sequence[tuple[float, float]]) -> str:
-        """Return the records of a table: body, degree of freedom, points."""
-        lines = [_integers(k, which, len(points))]
-        return "\n".join([*lines, *(self._real(t) + self._real(v) for t, v in points)])
-
-    def _entries(self, word: str, entries: Sequence[str]) -> list[Any]:
-        """Return a card with its records behind their number; none without records."""
-        return [word, _integers(len(entries)), *entries] if entries else []
-
-    def _real(self, value: float) -> Any:
-        """Ten columns of a number; its rounding is kept for the notes."""
-        value = float(value) + 0.0
-        # Round-off of the frames, which would fill its columns by an exponent.
-        text = "0.0" if abs(value) < _ROUND_OFF else filled(value, 10)
-        if value and text != "0.0":
-            self.rounding = max(self.rounding, abs(float(text) - value) / max(abs(value), 1e-3))
-        return text.rjust(10)
-
-
-def _integers(*values: int) -> str:
-    """Return integers in five columns each."""
-    return "".join(f"{value:5d}" for value in values)
-
 
 def _scalar_last(A: np.ndarray) -> Any:
     e0, *e = euler_parameters(A)
     return (*e, e0)
-
-
-def _lists(values: Sequence[int]) -> Any:
-    return [_integers(*values[i : i + 10]) for i in range(0, len(values), 10)]

@@ -17,7 +17,6 @@ from ....model.loads import AppliedForce, AppliedTorque
 from ....model.time_functions import POLYNOMIAL, MotionFunction
 from ....model.tree import ROTATION, TRANSLATION, Hinge, Tree
 from ....model.vectors import rotation_matrix
-from ..shapes import exchanged_shapes
 
 # Types of joints by the numbers of free rotations and translations.
 _KINDS = {
@@ -41,7 +40,7 @@ def rigid_model(deck: Deck, build: Callable[[], Tree], start: Callable[[Tree], S
     """Return the rigid model of a deck at its start; raises ModelError with all that is not converted."""
     tree = build()
     _refuse_flexible(tree)
-    return _Conversion(tree, start(tree)).converted(lambda: exchanged_shapes(deck))
+    return _Conversion(tree, start(tree)).converted(tree.shapes)
 
 
 def _refuse_flexible(tree: Tree) -> None:

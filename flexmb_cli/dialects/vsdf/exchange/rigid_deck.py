@@ -8,11 +8,11 @@ import numpy as np
 from ....model.exchange.function_cards import FunctionCards, without_card
 from ....model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
 from ....model.exchange.rigid_model import Refusals, RigidBody, RigidJoint, RigidModel, across
-from ....model.exchange.shapes import RigidShape, notes_of
+from ....model.exchange.shapes import notes_of
 from ....model.integrators import METHODS
 from ....model.joints import ANGLE
 from ....model.mechanism import GROUND
-from ....model.shapes import KINDS
+from ....model.shapes import KINDS, ShapeCard
 from ....model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE
 from ...elements_block.writer import BlockWriter, block, numbers
 from ..cards import BY_WORD, FINAL, SHAPES
@@ -232,11 +232,11 @@ class _Deck(BlockWriter):
         return found
 
 
-def _shape(shape: RigidShape) -> str:
+def _shape(shape: ShapeCard) -> str:
     return _record(shape.body + 1, _SHAPES[shape.kind], *shape.sizes, *shape.offset, *shape.angles)
 
 
-def _file(shape: RigidShape) -> tuple[str, str]:
+def _file(shape: ShapeCard) -> tuple[str, str]:
     return _record(shape.body + 1, shape.unit, *shape.offset, *shape.angles), f" {shape.file}"
 
 

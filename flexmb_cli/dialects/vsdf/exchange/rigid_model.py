@@ -19,7 +19,6 @@ from ....model.joints import ANGLE, STROKE
 from ....model.loads import AppliedForce, AppliedTorque
 from ....model.mechanism import GROUND, Point
 from ....model.vectors import rotation_matrix
-from ..shapes import exchanged_shapes
 
 _DIRECTIONS = {word: n for n, word in enumerate(("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ"), start=1)}
 _COORDINATES = {"ANGL": ANGLE, "STRK": STROKE}
@@ -35,7 +34,7 @@ def rigid_model(
     if flexible:
         raise ModelError([Fault("error", message, r.place, r.subject, id="VSDF-152") for r in flexible])
     mechanism = build()
-    return _Conversion(mechanism, start(mechanism)).converted(lambda: exchanged_shapes(deck))
+    return _Conversion(mechanism, start(mechanism)).converted(mechanism.shapes)
 
 
 class _Conversion(Conversion):

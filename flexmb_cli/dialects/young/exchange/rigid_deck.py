@@ -8,9 +8,9 @@ import numpy as np
 from ....model.exchange.function_cards import FunctionCards
 from ....model.exchange.functions import constant, polynomial_of, value_of
 from ....model.exchange.rigid_model import Refusals, RigidJoint, RigidModel, across
-from ....model.exchange.shapes import RigidShape, notes_of
+from ....model.exchange.shapes import notes_of
 from ....model.mechanism import GROUND
-from ....model.shapes import KINDS
+from ....model.shapes import KINDS, ShapeCard
 from ...elements_block.writer import BlockWriter, block, numbers
 from ..cards import CARDS
 from ..integration_cards import LEAST_TOLERANCE, MOST_TOLERANCE
@@ -184,7 +184,7 @@ class _Deck(BlockWriter):
             yield "RAD5"
 
 
-def _shape(shape: RigidShape) -> str:
+def _shape(shape: ShapeCard) -> str:
     place = _line(*shape.offset, *shape.angles)
     if shape.file:
         return f"STL {shape.file} {_line(shape.body + 1, shape.unit)} {place}"

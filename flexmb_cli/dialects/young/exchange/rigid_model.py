@@ -14,13 +14,13 @@ from ....model.attitudes import Attitudes
 from ....model.exchange.conversion import Conversion, End, Start, place_of, poses
 from ....model.exchange.functions import constant
 from ....model.exchange.rigid_model import BodyDriver, RigidBody, RigidJoint, RigidModel, vector
-from ....model.exchange.shapes import RigidShape, shifted
+from ....model.exchange.shapes import shifted
 from ....model.joint_elements import Coupling
 from ....model.loads import DynamicModel
 from ....model.mechanism import GROUND, Driver, Point, Simplified, TimeGrid
+from ....model.shapes import ShapeCard
 from ....model.time_functions import POLYNOMIAL, MotionFunction
 from ..dynamic_cards import analysis_of
-from ..shapes import exchanged_shapes
 
 
 def rigid_model(
@@ -34,8 +34,7 @@ def rigid_model(
         )
         raise ModelError([Fault("error", message, id="YOUNG-150")])
     model = build()
-    made = _Conversion(model, start(model))
-    return made.converted(lambda: tuple(map(made.shape, exchanged_shapes(deck))))
+    return _Conversion(model, start(model)).converted(model.mechanism.shapes)
 
 
 class _Conversion(Conversion):
@@ -106,12 +105,12 @@ class _Conversion(Conversion):
             if self.number[item.body] != GROUND
         )
 
-    def shape(self, shape: RigidShape) -> RigidShape:
+    def shape(self, card: ShapeCard) -> ShapeCard:
         """Return a shape on its new body; that of a grounded body lies on the ground."""
-        number = self.number[shape.body]
-        if number != GROUND or shape.body == GROUND:
-            return replace(shape, body=number)
-        return shifted(shape, GROUND, *self.now[shape.body])
+        number = self.number[card.body]
+        if number != GROUND or card.body == GROUND:
+            return replace(card, body=number)
+        return shifted(card, GROUND, *self.now[card.body])
 
     def _refuse_foreign(self) -> None:
         for item in self.mechanism.distances:

@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import simpson
 
 from flexmb_cli.kernels._jit import interpreting
-from flexmb_cli.model.joint_elements import element_names
+from flexmb_cli.model.joint_elements import names_of
 from flexmb_cli.results.hdf5.dynamic import element_layout
 from tests.solvers.constrained.body_balances import rotation, tensor
 from tests.solvers.constrained.element_decks import FREE, METHODS, ROTOR, analysis_of, model_of, rows_of
@@ -180,7 +180,8 @@ def test_names_of_elements_stand_beside_their_efforts_with_motors_behind_all_oth
         "SPRING 0 2 4 0 0 1 0 0 30 1\n"
         "ELEMENTS\n  SPRING tspring-1 at=1.angle stiffness=8 rest=0.25\n  START at=1.angle rate=1\n"
     )
-    names = [name for name, _ in element_names(model_of(ROTOR, "0 0.1 0.1", cards))]
+    model = model_of(ROTOR, "0 0.1 0.1", cards)
+    names = [name for name, _ in names_of(model.elements, model.springs)]
     rows = rows_of(ROTOR, "0 0.1 0.1", cards)
     efforts = {
         "spring 1": -60,
