@@ -201,6 +201,8 @@ class BlockBuilder:
         return JointDriver(line.subject, *at, function, line.place) if at and function else None
 
     def _coupling(self, line: ElementLine) -> Coupling | None:
+        if "function" in line or "from" in line or "to" in line:
+            return self._cam(line)
         terms = [self._term(line, number) for number in line.numbers]
         if len(terms) < 2:
             message = f"couples two coordinates or more, 2.angle=1 3.angle=-2; read {len(terms)}"
@@ -208,6 +210,22 @@ class BlockBuilder:
         if None in terms:
             return None
         return Coupling(line.subject, tuple(term for term in terms if term), line.place)
+
+    def _cam(self, line: ElementLine) -> Coupling | None:
+        """The coupling of a follower's coordinate, the first term, with a cam's."""
+        if len(line.numbers) != 3 or not all(key in line for key in ("from", "to", "function")):
+            message = "a cam takes from=1.angle to=2.stroke function=name, all three and no factors"
+            self.findings.error(line.subject, message, line.place, id="ELEMENTS-065")
+            return None
+        follower, cam = (self.measures.named(line, line.at(key), line[key]) for key in ("to", "from"))
+        function = self.functions.motion(line, "function")
+        if follower is not None and follower == cam:
+            message = "from and to are one coordinate; two are coupled"
+            self.measures.error(line, line.at("to"), message, id="ELEMENTS-066")
+            return None
+        if follower is None or cam is None or function is None:
+            return None
+        return Coupling(line.subject, ((*follower, 1.0), (*cam, -1.0)), line.place, function)
 
     def _term(self, line: ElementLine, number: Number) -> tuple[int, str, float] | None:
         if number.value == 0.0:

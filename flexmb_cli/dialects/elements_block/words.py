@@ -126,7 +126,15 @@ WORDS = (
         ((("simplified", "value"), ("pin",)),),
     ),
     *map(_of_law, LAWS),
-    BlockWord("COUPLING", "sum of factors times coordinates, which keeps its first value", ()),
+    BlockWord(
+        "COUPLING",
+        "sum of factors times coordinates, which keeps its first value; or a cam: to = function(from)",
+        (
+            AT._replace(name="from", meaning="coordinate of the cam"),
+            AT._replace(name="to", meaning="coordinate of the follower"),
+            Key("function", "function of the cam's coordinate that the follower's equals", FUNCTION),
+        ),
+    ),
     BlockWord(
         "JOINT",
         "joint with a massless link",

@@ -123,5 +123,9 @@ class BlockWriter(ABC):
                 yield f"{key_of(p)}={text}"
 
     def _coupling(self, item: Coupling) -> str:
+        if item.function:
+            follower, cam = (self.coordinate(joint, name) for joint, name, _ in item.terms)
+            ends = f"from={cam} to={follower} function={self.function_number(item.function, item)}"
+            return f"COUPLING {self.name(item)} {ends}"
         terms = (f"{self.coordinate(joint, name)}={numbers([factor])}" for joint, name, factor in item.terms)
         return f"COUPLING {self.name(item)} {' '.join(terms)}"

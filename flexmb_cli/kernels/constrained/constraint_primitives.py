@@ -5,7 +5,7 @@ made.
 
 V and W are relative vectors, F, G and H body vectors (`body_vectors`), in layers 0 to 2: as they are, their
 rates, their remainders.  Components of a gap, right angles, distances, strokes, angles and threads are all of
-this form; the first primitives are equations, Φ = μ - f(t).  The second derivative of a product is
+this form; the first primitives are equations, Φ = μ - f(t), to which others of a chain add μ or, of cams, -c(μ).  The second derivative of a product is
 2 V̇ · Ẇ + V · Ẅ + V̈ · W; that of θ with x = F · H and y = G · H is that of atan2, as in `joints.screw`.
 """
 
@@ -130,15 +130,25 @@ def add_primitive_row(geometry: Geometry, k: int, factor: float, row: np.ndarray
 
 
 @kernel
+def _in_equation(system: System, work: Work, k: int, expected: np.ndarray) -> tuple[float, float, float]:
+    """What primitive k adds to its equation, and its first two derivatives by the primitive."""
+    turn, curve = system.primitives[k]["turn"], system.primitives[k]["curve"]
+    value = primitive_value(geometry_of(system, work), k, expected[turn] if turn >= 0 else 0.0)
+    if curve < 0:
+        return value, 1.0, 0.0
+    f, slope, bend = function_values(system.functions, system.knots, curve, value)
+    return -f, -slope, -bend
+
+
+@kernel
 def equation_residuals(system: System, work: Work, t: float, expected: np.ndarray, phi: np.ndarray) -> None:
     """Fill the last rows of phi (m,), those of the primitives that are equations."""
-    first, geometry = system.bodies.shape[0], geometry_of(system, work)
+    first = system.bodies.shape[0]
     for row in range(first, phi.shape[0]):
         k, phi[row] = row - first, 0.0
         function = system.primitives[k]["function"]
         while k >= 0:
-            turn = system.primitives[k]["turn"]
-            phi[row] += primitive_value(geometry, k, expected[turn] if turn >= 0 else 0.0)
+            phi[row] += _in_equation(system, work, k, expected)[0]
             k = system.primitives[k]["next"]
         if function >= 0:
             phi[row] -= function_values(system.functions, system.knots, function, t)[0]
@@ -153,7 +163,10 @@ def equation_rows(system: System, work: Work, jacobian: np.ndarray) -> None:
             whole[work.columns[row, p]] = 0.0
         k = row - first
         while k >= 0:
-            add_primitive_row(geometry, k, 1.0, whole)
+            slope = 1.0
+            if system.primitives[k]["curve"] >= 0:
+                slope = _in_equation(system, work, k, work.angles)[1]
+            add_primitive_row(geometry, k, slope, whole)
             k = system.primitives[k]["next"]
         for p in range(work.columns[row, 0]):
             jacobian[row, p] = whole[work.columns[row, 1 + p]]
@@ -178,7 +191,11 @@ def equation_accelerations(system: System, work: Work, t: float, gamma: np.ndarr
         k, gamma[row] = row - first, 0.0
         function = system.primitives[k]["function"]
         while k >= 0:
-            gamma[row] -= primitive_rates(geometry, k)[1]
+            rate, rest = primitive_rates(geometry, k)
+            if system.primitives[k]["curve"] >= 0:
+                _, slope, bend = _in_equation(system, work, k, work.angles)
+                rest = slope * rest + bend * rate * rate
+            gamma[row] -= rest
             k = system.primitives[k]["next"]
         if function >= 0:
             gamma[row] += function_values(system.functions, system.knots, function, t)[2]

@@ -106,12 +106,15 @@ class ElementTable:
                 self._scaled(self.joints.primitive(joint, coordinate), factor / item.scale)
                 for joint, coordinate, factor in item.terms
             ]
-            is_length = not all(is_angle(coordinate) for _, coordinate, _ in item.terms)
-            first = sum(factor * self.joints.start(joint, kind) for joint, kind, factor in item.terms)
-            records[0]["constant"] += first / item.scale
+            if item.function:
+                records[-1] = self.joints.primitive(*item.terms[-1][:2])
+                records[-1]["curve"] = self.table.function(item.function, of_time=False)
+            else:
+                first = sum(factor * self.joints.start(joint, kind) for joint, kind, factor in item.terms)
+                records[0]["constant"] += first / item.scale
             record = self.table.chained(records)
             ends = self.joints.bodies(item.terms[0][0])
-            self.table.equations(item.name, item.place, *ends, [("coupling", is_length, record)])
+            self.table.equations(item.name, item.place, *ends, [("coupling", not item.of_angles, record)])
 
     @staticmethod
     def _scaled(record: np.ndarray, factor: float) -> Any:

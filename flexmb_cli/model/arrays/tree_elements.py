@@ -55,6 +55,33 @@ TREE_FRICTION = np.dtype(
 )
 
 
+# A pivot below this part of the row's own response means that other rows close this direction too.
+REPEATED = 1e-9
+# One closed direction of a closure, or a coupling: what it is, then what the kernels found for it last.
+CLOSURE_ROW = np.dtype(
+    [
+        ("frame_a", np.int64),  # number of the first FRAME
+        ("frame_b", np.int64),  # number of the second FRAME
+        ("point_a", np.float64, 3),  # axes of frame a, m
+        ("point_b", np.float64, 3),  # axes of frame b, m
+        ("axis", np.int64),  # 0, 1, 2 of frame b
+        ("coupling", np.int64),  # number of the coupling, -1: a closed direction
+        ("value", np.float64),  # which the sum of a coupling keeps, m or rad
+        ("curve", np.int64),  # function of a cam among `curves`, -1: none
+        ("cam", np.int64),  # coordinate that the function of a cam is of
+        ("bend", np.float64),  # what a cam adds to the second derivative of its gap, m/s² or rad/s²
+        ("direction", np.float64, 3),  # of that axis, inertial axes
+        ("place", np.float64, 3),  # of point a, inertial axes, m
+        ("gap", np.float64),  # (p_a - p_b) . direction, m
+        ("rate", np.float64),  # its rate, m/s
+        ("force", np.float64),  # along the direction on body a, and opposite on body b, N
+        ("repeated", np.float64),  # pivot, share of `own`, below which others close the direction
+        ("own", np.float64),  # acceleration per unit force, 1/kg, before elimination
+        ("order", np.int64),  # the row that is eliminated in this place
+    ]
+)
+
+
 class TreeElements:
     """Arrays of the elements of a tree in the order of their results."""
 
@@ -82,6 +109,17 @@ class TreeElements:
         for row, item in zip(found, self.tree.elements.couplings, strict=True):
             for joint, coordinate, factor in item.terms:
                 row[self.coordinate(joint, coordinate)] += factor / item.scale
+        return found
+
+    def coupling_rows(self) -> np.ndarray:
+        """The CLOSURE_ROW records of the couplings."""
+        couplings = self.tree.elements.couplings
+        found = np.zeros(len(couplings), CLOSURE_ROW)
+        found["coupling"], found["repeated"], found["curve"] = np.arange(len(couplings)), REPEATED, -1
+        for row, item in zip(found, couplings, strict=True):
+            if item.function:
+                row["curve"] = self.table.function(item.function, of_time=False)
+                row["cam"] = self.coordinate(*item.terms[-1][:2])
         return found
 
     def _elements(self) -> np.ndarray:

@@ -93,7 +93,10 @@ class Conversion(ABC):
             places = [self.joint_coordinate(item, joint, name) for joint, name, _ in item.terms]
             terms = zip(places, item.terms, strict=True)
             if None not in places:
-                yield replace(item, terms=tuple((*p[:2], factor) for p, (_, _, factor) in terms if p))
+                moved = tuple((*p[:2], factor) for p, (_, _, factor) in terms if p)
+                starts = [p[2] for p in places if p]
+                function = item.function and transformed(item.function, starts[-1], starts[0])
+                yield replace(item, terms=moved, function=function)
 
     def _element(self, item: Element) -> Element | None:
         measure = item.measure

@@ -97,4 +97,6 @@ class _Scaling(NamedTuple):
         terms = (
             (joint, name, self(factor, 0 if name == ANGLE else -1)) for joint, name, factor in item.terms
         )
-        return replace(item, terms=tuple(terms))
+        lengths = [int(name != ANGLE) for _, name, _ in item.terms]
+        function = item.function and self(item.function, lengths[0], stretch=lengths[-1])
+        return replace(item, terms=tuple(terms), function=function)

@@ -12,7 +12,6 @@ import numpy as np
 
 from ...model.joint_elements import Coupling
 from ...model.joints import ANGLE
-from ...model.laws import is_angle
 
 if TYPE_CHECKING:
     from ...model.shapes import Shape
@@ -177,7 +176,7 @@ COUPLING_SERIES = {
         "coupling/effort",
         (COUPLING,),
         "N m or N",
-        "effort, which acts times its factor in each coordinate, towards larger values",
+        "effort, which acts times its factor in each coordinate, towards larger values; of a cam on the follower",
     )
 }
 OF_ELEMENTS = ELEMENT_SERIES | COUPLING_SERIES
@@ -195,8 +194,7 @@ def with_elements(
     """
     axes = list(layout.axes)
     # The effort at a factor of 1: a coupling of a stroke is an equation of lengths.
-    angular = {item.name: all(is_angle(coordinate) for _, coordinate, _ in item.terms) for item in couplings}
-    of_couplings = [(name, "N m" if of_angles else "N") for name, of_angles in angular.items()]
+    of_couplings = [(item.name, "N m" if item.of_angles else "N") for item in couplings]
     for kind, names in (("coordinate", coordinates), ("element", elements), ("coupling", of_couplings)):
         if names:
             texts, units = zip(*names, strict=True)
