@@ -13,7 +13,8 @@ import numpy as np
 from ..flexible_mechanism import NodePoint, PointJoint
 from ..joint_elements import COORDINATES_OF, JointElements
 from ..joints import ANGLE, BY_NAME, PITCH, STROKE
-from ..laws import FRICTION, SPRING, At, Element, Frames, Line, is_angle
+from ..laws import FRICTION, SPRING, At, Cam, Element, Frames, Line, is_angle
+from ..time_functions import MotionFunction
 from .constraint_table import PrimitiveTable
 from .laws import NONE, fill_bushing, fill_law
 from .node_joints import JointVectors
@@ -107,8 +108,7 @@ class ElementTable:
                 for joint, coordinate, factor in item.terms
             ]
             if item.function:
-                records[-1] = self.joints.primitive(*item.terms[-1][:2])
-                records[-1]["curve"] = self.table.function(item.function, of_time=False)
+                records[-1] = self._curve(*item.terms[-1][:2], item.function)
             else:
                 first = sum(factor * self.joints.start(joint, kind) for joint, kind, factor in item.terms)
                 records[0]["constant"] += first / item.scale
@@ -150,10 +150,18 @@ class ElementTable:
         record = self._line(item.measure) if isinstance(item.measure, Line) else self._at(item.measure)
         return fill_law(record, item.law, item.values, self.table)
 
-    def _at(self, measure: At) -> Any:
-        record = blank_load(ELEMENT)
+    def _at(self, measure: At | Cam) -> Any:
+        record, primitives = blank_load(ELEMENT), [self.joints.primitive(measure.joint, measure.coordinate)]
+        if isinstance(measure, Cam):
+            primitives.append(self._curve(*measure[2:]))
         record["shape"] = SPRING.code
-        record["primitive"] = self.table.spring(self.joints.primitive(measure.joint, measure.coordinate))
+        record["primitive"] = self.table.spring(self.table.chained(primitives))
+        return record
+
+    def _curve(self, joint: int, coordinate: str, function: MotionFunction) -> np.ndarray:
+        """The primitive of a coordinate whose function is subtracted in a chain."""
+        record = self.joints.primitive(joint, coordinate)
+        record["curve"] = self.table.function(function, of_time=False)
         return record
 
     def _end(self, body: int, point: Any) -> Any:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..laws import FRICTION, At, Frames
+from ..laws import FRICTION, At, Cam, Frames
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from .function_table import FunctionTable
 from .laws import LAW, fill_bushing, fill_law
@@ -25,6 +25,9 @@ TREE_ELEMENT = np.dtype(
     [
         ("measure", np.int64),  # IN_COORDINATE, IN_LINE, ALONG, ABOUT
         ("coordinate", np.int64),  # IN_COORDINATE: number of the hinge coordinate
+        ("curve", np.int64),  # IN_COORDINATE: function of a cam that is taken off, among `curves`, -1: none
+        ("cam", np.int64),  # number of the coordinate that `curve` is a function of
+        ("slope", np.float64),  # of `curve`, as it was evaluated last
         ("frame_i", np.int64),  # FRAME of the first body, 0: inertial
         ("frame_j", np.int64),  # FRAME of the second body
         ("point_i", np.float64, 3),  # undeformed, axes of frame i, m
@@ -128,8 +131,12 @@ class TreeElements:
         found, at = np.zeros(sum(len(item.parts) for item in forces), TREE_ELEMENT), 0
         for item in forces:
             records = found[at : at + len(item.parts)]
-            if isinstance(item.measure, At):
-                records["measure"], records["coordinate"] = IN_COORDINATE, self.coordinate(*item.measure)
+            records["curve"] = -1
+            if isinstance(item.measure, At | Cam):
+                records["measure"], records["coordinate"] = IN_COORDINATE, self.coordinate(*item.measure[:2])
+                if isinstance(item.measure, Cam):
+                    records["cam"] = self.coordinate(*item.measure[2:4])
+                    records["curve"] = self.table.function(item.measure.function, of_time=False)
             else:
                 self._place(records, item.measure)
             if isinstance(item.measure, Frames):

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from flexmb_cli.errors import DeckError
 from tests.solvers.constrained.element_decks import METHODS, TWO_ROTORS, model_of, rows_of
@@ -87,11 +88,64 @@ def test_a_follower_that_turns_begins_where_the_function_of_the_cam_does():
     assert work == pytest.approx(2 * (one - one[0]), abs=1e-8)
 
 
+JUMPS = (
+    f"{BODIES}GRAVITY 0 0 -9.81\nELEMENTS\n  FUNCTION turn polynomial 0 20\n  FUNCTION lift sine 0 0.05 1\n"
+    "  COUPLING cam from=1.angle to=2.stroke function=lift stiffness=5000 damping=0.3\n"
+    "  DRIVE shaft at=1.angle value=turn\n  START at=2.stroke rate=1\n"
+)
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=() if n == "DOP853" else pytest.mark.long_motion) for n in METHODS]
+)
+def test_a_follower_lifts_off_and_lands_again(name):
+    """The cam of 0.05 sin 20 t is faster than gravity; m z'' = F - m g by an independent integrator.
+
+    F = k d (1 + c d') at the depth d = 0.05 sin 20 t - z, of Hunt and Crossley.
+    """
+    rows = rows_of(CAM, "0 0.4 0.01", f"{JUMPS}{METHODS[name]}")
+
+    def force(t, z, v):
+        depth, rate = 0.05 * np.sin(20 * t) - z, np.cos(20 * t) - v
+        return np.where(depth > 0, 5000 * depth * np.maximum(0, 1 + 0.3 * rate), 0)
+
+    def slope(t, y):
+        return y[1], force(t, *y) / 0.8 - 9.81
+
+    found = solve_ivp(slope, (0, 0.4), (0, 1), "DOP853", rows.time, rtol=1e-12, atol=1e-13, max_step=1e-4)
+    near = {"DOP853": 1e-8, "RAD5": 1e-5, "GALF": 1e-3}[name]
+    assert rows.position[:, 2, 2] == pytest.approx(found.y[0], abs=near)
+    efforts = force(rows.time, *found.y)
+    assert rows.element_effort[:, 0] == pytest.approx(efforts, abs=1e4 * near)
+    assert 5 < np.sum(efforts == 0) < 35
+    assert rows.element_coordinate[:, 0] == pytest.approx(found.y[0] - 0.05 * np.sin(20 * rows.time), abs=near)
+    # The cam bears the follower's force by its slope.
+    assert rows.driver_effort[:, 0] == pytest.approx(0.05 * np.cos(20 * rows.time) * efforts, abs=1e4 * near)
+
+
+def test_gears_with_play_push_each_other_on_both_sides():
+    """Angle 2 - angle 1 between limits 0.01 apart; the wheels' momentum stays, and the play is not passed."""
+    cards = (
+        "MASS 2 1 0 0 0 1 1 0.3\nMASS 3 1 0 0 0 1 1 0.8\nELEMENTS\n  FUNCTION same polynomial 0 1\n"
+        "  COUPLING teeth from=1.angle to=2.angle function=same stiffness=1e5 lower=-0.005 upper=0.005\n"
+        "  START at=1.angle rate=1"
+    )
+    rows = rows_of(TWO_ROTORS, "0 0.5 0.002", cards)
+    play = rows.joint_coordinate[:, 1] - rows.joint_coordinate[:, 0]
+    assert np.ptp(np.sign(np.round(rows.element_effort[:, 0], 6))) == 2
+    assert 0.005 < np.max(np.abs(play)) < 0.009
+    assert rows.joint_rate @ (0.3, 0.8) == pytest.approx(np.full(251, 0.3), abs=1e-9)
+    assert rows.total == pytest.approx(np.full(251, 0.15), abs=1e-8)
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [
         ("from=1.angle to=2.stroke", "a cam takes from=1.angle to=2.stroke function=name, all three"),
         ("from=1.angle to=2.stroke function=lift 1.angle=2", "all three and no factors"),
+        ("from=1.angle to=2.stroke function=lift lower=1", "with stiffness= one side only"),
+        ("from=1.angle to=2.stroke function=lift stiffness=-1", "stiffness must not be negative; read -1"),
+        ("from=1.angle to=2.stroke function=lift stiffness=1 lower=2 upper=1", "upper must be larger than lower, 2"),
         ("from=1.angle to=1.angle function=lift", "from and to are one coordinate"),
         ("from=1.angle to=2.stroke function=corner", "the rate of a coordinate cannot jump"),
         ("from=1.angle to=2.stroke function=none", "there is no function none"),
