@@ -253,7 +253,8 @@ class BlockBuilder:
                 self.findings.error(line.subject, message, line.place_of(key), id="ELEMENTS-002")
                 return None
         if not values["lower"] < values["upper"]:
-            message = f"upper must be larger than lower, {values['lower']:g}; read {values['upper']:g}"
+            than = f"lower, {values['lower']:g}"
+            message = f"{'upper'} must be larger than {than}; read {values['upper']:g}"
             self.findings.error(line.subject, message, line.place_of("upper"), id="ELEMENTS-039")
             return None
         return Element(line.subject, STOP, cam, STOP.values(**values), line.place)

@@ -27,7 +27,7 @@ TREE_ELEMENT = np.dtype(
         ("coordinate", np.int64),  # IN_COORDINATE: number of the hinge coordinate
         ("curve", np.int64),  # IN_COORDINATE: function of a cam that is taken off, among `curves`, -1: none
         ("cam", np.int64),  # number of the coordinate that `curve` is a function of
-        ("slope", np.float64),  # of `curve`, as it was evaluated last
+        ("slope", np.float64),  # of `curve`, as it was evaluated last, m or rad per m or rad
         ("frame_i", np.int64),  # FRAME of the first body, 0: inertial
         ("frame_j", np.int64),  # FRAME of the second body
         ("point_i", np.float64, 3),  # undeformed, axes of frame i, m

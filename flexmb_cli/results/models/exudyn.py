@@ -223,7 +223,7 @@ def _foreign_elements(elements: JointElements) -> Iterator[Fault]:
 def _refused(item: Element) -> tuple[str, str] | None:
     """Return why a force element does not convert, and the identifier of the fault."""
     if isinstance(item.measure, Cam):
-        return "followers of cams do not convert", "RESULT-072"
+        return "followers of cams do not convert", "RESULT-086"
     if item.law in (SPRING, CABLE, STOP):
         if item.law is SPRING and (item["curve"] or item["damper"]):
             return "springs and dampers with functions do not convert", "RESULT-074"
