@@ -220,8 +220,10 @@ class BlockBuilder:
         cam = self._cam(line)
         if cam and loose:
             return "forces", self._follower(line, cam)
-        terms = cam and ((cam.joint, cam.coordinate, 1.0), (cam.cam_joint, cam.cam_coordinate, -1.0))
-        return "couplings", terms and Coupling(line.subject, terms, line.place, cam.function)
+        if cam is None:
+            return "couplings", None
+        terms = (cam.joint, cam.coordinate, 1.0), (cam.cam_joint, cam.cam_coordinate, -1.0)
+        return "couplings", Coupling(line.subject, terms, line.place, cam.function)
 
     def _sum(self, line: ElementLine) -> Coupling | None:
         terms = [self._term(line, number) for number in line.numbers]
@@ -245,7 +247,7 @@ class BlockBuilder:
 
     def _follower(self, line: ElementLine, cam: Cam) -> Element | None:
         """The stop of a follower that lifts off its cam."""
-        limits = {"lower": -math.inf, "upper": math.inf} if "upper" in line else {"lower": 0.0, "upper": math.inf}
+        limits = {"lower": -math.inf if "upper" in line else 0.0, "upper": math.inf}
         values = limits | {one.key: one.value for one in line.numbers if one.key in _OF_CAMS[3:]}
         for key in ("stiffness", "damping"):
             if values.get(key, 0.0) < 0.0:

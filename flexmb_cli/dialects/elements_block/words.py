@@ -128,7 +128,8 @@ WORDS = (
     *map(_of_law, LAWS),
     BlockWord(
         "COUPLING",
-        "sum of factors times coordinates, which keeps its first value; or a cam, to = function(from), one-sided with `stiffness`",
+        "sum of factors times coordinates, which keeps its first value; or a cam, to = function(from), "
+        "one-sided with `stiffness`",
         (
             AT._replace(name="from", meaning="coordinate of the cam"),
             AT._replace(name="to", meaning="coordinate of the follower"),

@@ -111,10 +111,10 @@ class BlockWriter(ABC):
         measure = item.measure
         if isinstance(measure, Cam):
             follower, cam = self.coordinate(*measure[:2]), self.coordinate(*measure[2:4])
-            limits = (f"{p.name}={numbers([x])}" for p, x in zip(item.law.parameters, item.values, strict=True)
-                      if math.isfinite(x))  # fmt: skip
-            words = [self._cam(measure.function, item, follower, cam), *limits]
-            return " ".join(["COUPLING", self.name(item), *words])
+            values = zip(item.law.parameters, item.values, strict=True)
+            limits = (f"{p.name}={numbers([x])}" for p, x in values if math.isfinite(x))
+            ends = self._cam(measure.function, item, follower, cam)
+            return " ".join(["COUPLING", self.name(item), ends, *limits])
         if isinstance(measure, At):
             acts = f"at={self.coordinate(*measure)}"
         elif isinstance(measure, Joint):

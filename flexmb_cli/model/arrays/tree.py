@@ -85,9 +85,7 @@ class TreeArrays(NamedTuple):
     torques: np.ndarray  # TORQUE records
     closures: np.ndarray  # CLOSURE_ROW records, one a closed direction
     closure_matrix: np.ndarray  # (rows, rows) work: J b^-1 Jᵀ, 1/kg
-    couplings: (
-        np.ndarray
-    )  # (C, NS) factors of the coordinates in the couplings, of a cam its slope; their rows follow the closures
+    couplings: np.ndarray  # (C, NS) factors of coordinates in couplings, whose rows follow the closures
     row_forces: np.ndarray  # (1 + m, rows) without friction, N or N m, and by unit normal forces
     reactions: np.ndarray  # (F, 6) force of its hinge on every frame, N, and moment about its origin, N m
     gravity: np.ndarray  # (3,) inertial axes, m/s²

@@ -118,7 +118,9 @@ def test_a_follower_lifts_off_and_lands_again(name):
     efforts = force(rows.time, *found.y)
     assert rows.element_effort[:, 0] == pytest.approx(efforts, abs=1e4 * near)
     assert 5 < np.sum(efforts == 0) < 35
-    assert rows.element_coordinate[:, 0] == pytest.approx(found.y[0] - 0.05 * np.sin(20 * rows.time), abs=near)
+    assert rows.element_coordinate[:, 0] == pytest.approx(
+        found.y[0] - 0.05 * np.sin(20 * rows.time), abs=near
+    )
     # The cam bears the follower's force by its slope.
     assert rows.driver_effort[:, 0] == pytest.approx(0.05 * np.cos(20 * rows.time) * efforts, abs=1e4 * near)
 
@@ -145,7 +147,10 @@ def test_gears_with_play_push_each_other_on_both_sides():
         ("from=1.angle to=2.stroke function=lift 1.angle=2", "all three and no factors"),
         ("from=1.angle to=2.stroke function=lift lower=1", "with stiffness= one side only"),
         ("from=1.angle to=2.stroke function=lift stiffness=-1", "stiffness must not be negative; read -1"),
-        ("from=1.angle to=2.stroke function=lift stiffness=1 lower=2 upper=1", "upper must be larger than lower, 2"),
+        (
+            "from=1.angle to=2.stroke function=lift stiffness=1 lower=2 upper=1",
+            "upper must be larger than lower, 2",
+        ),
         ("from=1.angle to=1.angle function=lift", "from and to are one coordinate"),
         ("from=1.angle to=2.stroke function=corner", "the rate of a coordinate cannot jump"),
         ("from=1.angle to=2.stroke function=none", "there is no function none"),
@@ -153,9 +158,7 @@ def test_gears_with_play_push_each_other_on_both_sides():
     ],
 )
 def test_faults_of_cams_are_named(line, message):
-    cards = (
-        f"{BODIES}ELEMENTS\n  FUNCTION lift sine 0 1 1\n  FUNCTION corner table 0 0 1 1\n  COUPLING cam {line}"
-    )
+    cards = f"{BODIES}ELEMENTS\n  FUNCTION lift sine 0 1 1\n  FUNCTION corner table 0 0 1 1\n  COUPLING cam {line}"
     with pytest.raises(DeckError) as refused:
         model_of(CAM, "0 1 0.5", cards)
     assert any(message in fault.message for fault in refused.value.faults)
