@@ -5,7 +5,8 @@ made.
 
 V and W are relative vectors, F, G and H body vectors (`body_vectors`), in layers 0 to 2: as they are, their
 rates, their remainders.  Components of a gap, right angles, distances, strokes, angles and threads are all of
-this form; the first primitives are equations, Φ = μ - f(t), to which others of a chain add μ or, of cams, -c(μ).  The second derivative of a product is
+this form; the first primitives are equations, Φ = μ - f(t), to which others of a chain add
+μ or, of cams, -c(μ).  The second derivative of a product is
 2 V̇ · Ẇ + V · Ẅ + V̈ · W; that of θ with x = F · H and y = G · H is that of atan2, as in `joints.screw`.
 """
 

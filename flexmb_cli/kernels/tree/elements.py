@@ -1,6 +1,7 @@
 """Elements of a tree: what they measure at placed frames, and their efforts along coordinates and on frames.
 
-An element in a hinge coordinate adds to the effort along it, and of a cam along the coordinate of the cam.  One between two bodies pushes body j at a place
+An element in a hinge coordinate adds to the effort along it, and of a follower along that of its cam.
+One between two bodies pushes body j at a place
 by its effort and body i by the opposite there; along the elastic coordinates that displace its ends the same
 force does work: each costs O(1).
 """

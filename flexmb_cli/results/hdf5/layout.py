@@ -176,7 +176,7 @@ COUPLING_SERIES = {
         "coupling/effort",
         (COUPLING,),
         "N m or N",
-        "effort, which acts times its factor in each coordinate, towards larger values; of a cam on the follower",
+        "effort, which acts times its factor in each coordinate, towards larger values",
     )
 }
 OF_ELEMENTS = ELEMENT_SERIES | COUPLING_SERIES

@@ -158,7 +158,8 @@ def test_gears_with_play_push_each_other_on_both_sides():
     ],
 )
 def test_faults_of_cams_are_named(line, message):
-    cards = f"{BODIES}ELEMENTS\n  FUNCTION lift sine 0 1 1\n  FUNCTION corner table 0 0 1 1\n  COUPLING cam {line}"
+    functions = "  FUNCTION lift sine 0 1 1\n  FUNCTION corner table 0 0 1 1\n"
+    cards = f"{BODIES}ELEMENTS\n{functions}  COUPLING cam {line}"
     with pytest.raises(DeckError) as refused:
         model_of(CAM, "0 1 0.5", cards)
     assert any(message in fault.message for fault in refused.value.faults)
