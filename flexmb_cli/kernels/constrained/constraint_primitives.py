@@ -132,7 +132,7 @@ def add_primitive_row(geometry: Geometry, k: int, factor: float, row: np.ndarray
 
 @kernel
 def _in_chain(system: System, work: Work, k: int, expected: np.ndarray) -> tuple[float, float, float]:
-    """What primitive k adds to its chain, and its first two derivatives by the primitive."""
+    """Share of primitive k in its chain, and its first two derivatives by the primitive."""
     turn, curve = system.primitives[k]["turn"], system.primitives[k]["curve"]
     value = primitive_value(geometry_of(system, work), k, expected[turn] if turn >= 0 else 0.0)
     if curve < 0:
