@@ -13,7 +13,7 @@ from typing import Any
 
 from ..errors import Place
 from .joints import JOINT_TYPES, NODE_JOINT_TYPES
-from .laws import Element, Law
+from .laws import Element, Law, is_angle
 from .mechanism import Vector
 from .time_functions import MotionFunction
 
@@ -47,11 +47,20 @@ class DrivenItem:
 
 @dataclass(frozen=True)
 class Coupling:
-    """Σ factor · joint coordinate = 0 for `terms` (joint, coordinate, factor): gears, racks, belts."""
+    """Σ factor · joint coordinate = 0 for `terms` (joint, coordinate, factor): gears, racks, belts.
+
+    With a `function` f, of a cam: first coordinate = f(last coordinate) for two terms.
+    """
 
     name: str
     terms: tuple[tuple[int, str, float], ...]
     place: Place | None = None
+    function: MotionFunction | None = None
+
+    @property
+    def of_angles(self) -> bool:
+        """Return whether it is an equation of angles, whose effort at a factor of 1 is in N m."""
+        return all(is_angle(name) for _, name, _ in self.terms[: 1 if self.function else None])
 
     @property
     def scale(self) -> float:

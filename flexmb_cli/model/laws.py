@@ -5,6 +5,7 @@ An `Element` is a measure with a law: x, the rate of x and an effort that drives
 | measure | x |
 |---|---|
 | `At(joint, coordinate)` | a joint or hinge coordinate: angle, rad, or stroke, m |
+| `Cam(joint, coordinate, cam_joint, cam_coordinate, function)` | a coordinate less a function of another |
 | `Line(i, j, P_i, P_j)` | the distance of two points, m |
 | `Frames(i, j, P_i, P_j)` | six: displacements of P_j and turns of its frame, in the axes of body i |
 | `Joint(joint)` | none: friction of a joint |
@@ -19,10 +20,13 @@ from these records: a new law is one record here and one branch of `kernels.laws
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import Place
 from .joints import ANGLE
+
+if TYPE_CHECKING:
+    from .time_functions import MotionFunction
 
 REQUIRED: Any = ...  # default of a parameter that must be given
 # Types of parameters.
@@ -74,6 +78,16 @@ class At(NamedTuple):
 
     joint: int  # number, from 0; of a tree that of the body whose hinge it is
     coordinate: str  # "angle" or "stroke", or "rotation 1" to "translation 3" of a hinge
+
+
+class Cam(NamedTuple):
+    """The coordinate of a follower less a function of the coordinate of its cam."""
+
+    joint: int  # of the follower, as of `At`
+    coordinate: str  # of the follower
+    cam_joint: int  # of the cam
+    cam_coordinate: str  # of the cam
+    function: "MotionFunction"  # of the cam's coordinate, m or rad
 
 
 class Line(NamedTuple):
@@ -233,7 +247,7 @@ class Element:
 
     name: str
     law: Law
-    measure: Any  # At, Line, Frames or Joint
+    measure: Any  # At, Cam, Line, Frames or Joint
     values: tuple[Any, ...]
     place: Place | None = None
 
@@ -251,7 +265,7 @@ class Element:
     @property
     def turning(self) -> bool:
         """Return whether its coordinate is an angle."""
-        return isinstance(self.measure, At) and is_angle(self.measure.coordinate)
+        return isinstance(self.measure, At | Cam) and is_angle(self.measure.coordinate)
 
     @property
     def linear(self) -> bool:

@@ -1,6 +1,6 @@
 """Blocks ELEMENTS of FMBD.DAT: elements at hinges, between points and between nodes."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from ...deck.record import Number
 from ...model.diagnostics import Findings
 from ...model.flexible_mechanism import NodePoint
 from ...model.joint_elements import Coupling, JointElements
+from ...model.time_functions import MotionFunction
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Hinge, Tree
 from ...model.tree_as_mechanism.frames import shape_of
 from ..elements_block.build import BlockBuilder
@@ -33,7 +34,8 @@ def with_elements(tree: Tree, lines: Sequence[Any], folder: Path, findings: Find
     forces = (*tree.elements.forces, *elements.forces)
     tree = replace(tree, elements=replace(elements, forces=forces, rates=()), **_start(tree, elements))
     for item in elements.couplings:
-        _check_speeds(tree, item, findings)
+        if not item.function:
+            _check_speeds(tree, item, findings)
     return tree
 
 
@@ -132,7 +134,18 @@ def _start(tree: Tree, elements: JointElements) -> Any:
     for item in elements.drivers:
         m = _number(tree, item.joint, item.coordinate)
         q[m], y[m] = item.function.at(tree.time.start)[:2]
+    for follower, cam, function in _cams(tree, elements):
+        q[follower], slope, _ = function.at(q[cam])
+        y[follower] = slope * y[cam]
     return {"q": q, "y": y}
+
+
+def _cams(tree: Tree, elements: JointElements) -> Iterator[tuple[int, int, MotionFunction]]:
+    """Yield the coordinates of follower and cam of couplings by functions, which begin where these are."""
+    for item in elements.couplings:
+        if item.function:
+            follower, cam = (_number(tree, joint, name) for joint, name, _ in item.terms)
+            yield follower, cam, item.function
 
 
 def _number(tree: Tree, body: int, coordinate: str) -> int:

@@ -10,12 +10,26 @@ from typing import Any
 from ...deck.record import Number
 from ...model.diagnostics import Findings
 from ...model.joint_elements import Coupling, JointDriver, JointElements, JointRate
-from ...model.laws import FRICTION, FUNCTIONS, OF_TIME, VECTOR, At, Element, Frames, Joint, Line, motors_last
+from ...model.laws import (
+    FRICTION,
+    FUNCTIONS,
+    OF_TIME,
+    STOP,
+    VECTOR,
+    At,
+    Cam,
+    Element,
+    Frames,
+    Joint,
+    Line,
+    motors_last,
+)
 from .functions import Functions
 from .line import ElementLine
 from .measures import Measures
 from .words import BY_WORD, key_of
 
+_OF_CAMS = ("from", "to", "function", "stiffness", "damping", "lower", "upper")  # keys of COUPLING
 Makers = Mapping[str, Callable[["BlockBuilder", ElementLine], Any]]
 _ONE_OF: dict[str, Callable[..., Any]] = {  # what there may be one of, and by what it is distinguished
     "driven": lambda item: item.item,
@@ -52,8 +66,9 @@ class BlockBuilder:
             return more[line.word](self, line) or ("", None)
         if BY_WORD[line.word].law is not None:
             return "forces", self._force(line)
-        makers = {"DRIVE": ("drivers", self.driver), "COUPLING": ("couplings", self._coupling),
-                  "START": ("rates", self._rate)}  # fmt: skip
+        if line.word == "COUPLING":
+            return self._coupling(line)
+        makers = {"DRIVE": ("drivers", self.driver), "START": ("rates", self._rate)}
         if line.word not in makers:
             message = f"decks of this dialect have no {line.word}; remove the line"
             self.findings.error(line.subject, message, line.place, id="ELEMENTS-040")
@@ -184,7 +199,28 @@ class BlockBuilder:
         at, function = self.measures.at(line), self.motion(line)
         return JointDriver(line.subject, *at, function, line.place) if at and function else None
 
-    def _coupling(self, line: ElementLine) -> Coupling | None:
+    def _coupling(self, line: ElementLine) -> tuple[str, Any]:
+        """A sum of coordinates; a cam, whose follower is the first term; or the stop of a follower."""
+        given = [key for key in _OF_CAMS if key in line]
+        if not given:
+            return "couplings", self._sum(line)
+        loose, factors = "stiffness" in line, len(given) < len(line.numbers)
+        if factors or not set(given) >= set(_OF_CAMS[:3]) or not (loose or len(given) == 3):
+            message = (
+                "a cam takes from=1.angle to=2.stroke function=name, all three and no factors; "
+                "with stiffness= one side only, then damping=, lower= and upper=, too"
+            )
+            self.findings.error(line.subject, message, line.place, id="ELEMENTS-065")
+            return "couplings", None
+        cam = self._cam(line)
+        if cam and loose:
+            return "forces", self._follower(line, cam)
+        if cam is None:
+            return "couplings", None
+        terms = (cam.joint, cam.coordinate, 1.0), (cam.cam_joint, cam.cam_coordinate, -1.0)
+        return "couplings", Coupling(line.subject, terms, line.place, cam.function)
+
+    def _sum(self, line: ElementLine) -> Coupling | None:
         terms = [self._term(line, number) for number in line.numbers]
         if len(terms) < 2:
             message = f"couples two coordinates or more, 2.angle=1 3.angle=-2; read {len(terms)}"
@@ -192,6 +228,33 @@ class BlockBuilder:
         if None in terms:
             return None
         return Coupling(line.subject, tuple(term for term in terms if term), line.place)
+
+    def _cam(self, line: ElementLine) -> Cam | None:
+        follower, cam = (self.measures.named(line, line.at(key), line[key]) for key in ("to", "from"))
+        function = self.functions.motion(line, "function")
+        if follower is not None and follower == cam:
+            message = "from and to are one coordinate; two are coupled"
+            self.measures.error(line, line.at("to"), message, id="ELEMENTS-066")
+            return None
+        if follower is None or cam is None or function is None:
+            return None
+        return Cam(*follower, *cam, function)
+
+    def _follower(self, line: ElementLine, cam: Cam) -> Element | None:
+        """The stop of a follower that lifts off its cam."""
+        limits = {"lower": -math.inf if "upper" in line else 0.0, "upper": math.inf}
+        values = limits | {one.key: one.value for one in line.numbers if one.key in _OF_CAMS[3:]}
+        for key in ("stiffness", "damping"):
+            if values.get(key, 0.0) < 0.0:
+                message = f"{key} must not be negative; read {values[key]:g}"
+                self.findings.error(line.subject, message, line.place_of(key), id="ELEMENTS-002")
+                return None
+        if not values["lower"] < values["upper"]:
+            than = f"lower, {values['lower']:g}"
+            message = f"{'upper'} must be larger than {than}; read {values['upper']:g}"
+            self.findings.error(line.subject, message, line.place_of("upper"), id="ELEMENTS-039")
+            return None
+        return Element(line.subject, STOP, cam, STOP.values(**values), line.place)
 
     def _term(self, line: ElementLine, number: Number) -> tuple[int, str, float] | None:
         if number.value == 0.0:

@@ -276,7 +276,7 @@ class _Line:
             self._take_vector(piece, key, text, offset)
         else:
             self._add(name, piece, name, (key.meaning, key.units[0]), key.kind, text, offset)
-            if key.kind == COORDINATE:
+            if key.kind == COORDINATE and name != "from":  # a cam's, whose follower has the units
                 self.turning = is_turning(text)
 
     def _of_position(self, name: str) -> Key | None:
@@ -343,6 +343,8 @@ def is_turning(coordinate: str) -> bool:
 
 def usage(word: BlockWord) -> str:
     """Return how a line of a word is written."""
+    if word.word == "COUPLING":
+        return "COUPLING name 2.angle=factor 3.stroke=factor …, or from=1.angle to=2.stroke function=name"
     parts = [word.word, "name" if not word.unnamed else "", "|".join(word.kinds)]
     shape = {COORDINATE: "2.angle", END: "1(x,y,z)", VECTOR: "(x,y,z)", FUNCTION: "function"}
     texts = {key.name: f"{key.name}={shape.get(key.kind, '…')}" for key in word.keys}
@@ -352,8 +354,6 @@ def usage(word: BlockWord) -> str:
     for key in word.keys:
         if key.name not in chosen:
             parts.append(texts[key.name] if key.needed else f"[{texts[key.name]}]")
-    if word.word == "COUPLING":
-        parts.append("2.angle=factor 3.stroke=factor …")
     return " ".join(part for part in parts if part)
 
 

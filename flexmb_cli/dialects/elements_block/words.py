@@ -126,7 +126,20 @@ WORDS = (
         ((("simplified", "value"), ("pin",)),),
     ),
     *map(_of_law, LAWS),
-    BlockWord("COUPLING", "sum of factors times coordinates, which keeps its first value", ()),
+    BlockWord(
+        "COUPLING",
+        "sum of factors times coordinates, which keeps its first value; or a cam, to = function(from), "
+        "one-sided with `stiffness`",
+        (
+            AT._replace(name="from", meaning="coordinate of the cam"),
+            AT._replace(name="to", meaning="coordinate of the follower"),
+            Key("function", "function of the cam's coordinate that the follower's equals", FUNCTION),
+            Key("stiffness", "of a follower that lifts off: effort per depth", units=("N/m", "N m/rad")),
+            Key("damping", "share of the effort that a rate of 1 adds", units=("s/m", "s/rad")),
+            Key("lower", "least to - function(from); 0 if neither limit is given", units=("m", "rad")),
+            Key("upper", "largest to - function(from)", units=("m", "rad")),
+        ),
+    ),
     BlockWord(
         "JOINT",
         "joint with a massless link",

@@ -1,5 +1,6 @@
 """Writer of the block ELEMENTS: the inverse of its reader, for conversion and `table --as-table`."""
 
+import math
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
@@ -7,7 +8,7 @@ from typing import Any
 
 from ...model.exchange.function_cards import FunctionCards, without_card
 from ...model.joint_elements import Coupling
-from ...model.laws import FUNCTIONS, VECTOR, At, Element, Joint
+from ...model.laws import FUNCTIONS, VECTOR, At, Cam, Element, Joint
 from .text import BLOCK
 from .words import key_of
 
@@ -103,8 +104,17 @@ class BlockWriter(ABC):
         names.add(found.lower())
         return found
 
+    def _cam(self, function: Any, item: Any, follower: str, cam: str) -> str:
+        return f"from={cam} to={follower} function={self.function_number(function, item)}"
+
     def _force(self, item: Element) -> str:
         measure = item.measure
+        if isinstance(measure, Cam):
+            follower, cam = self.coordinate(*measure[:2]), self.coordinate(*measure[2:4])
+            values = zip(item.law.parameters, item.values, strict=True)
+            limits = (f"{p.name}={numbers([x])}" for p, x in values if math.isfinite(x))
+            ends = self._cam(measure.function, item, follower, cam)
+            return " ".join(["COUPLING", self.name(item), ends, *limits])
         if isinstance(measure, At):
             acts = f"at={self.coordinate(*measure)}"
         elif isinstance(measure, Joint):
@@ -123,5 +133,8 @@ class BlockWriter(ABC):
                 yield f"{key_of(p)}={text}"
 
     def _coupling(self, item: Coupling) -> str:
+        if item.function:
+            follower, cam = (self.coordinate(joint, name) for joint, name, _ in item.terms)
+            return f"COUPLING {self.name(item)} {self._cam(item.function, item, follower, cam)}"
         terms = (f"{self.coordinate(joint, name)}={numbers([factor])}" for joint, name, factor in item.terms)
         return f"COUPLING {self.name(item)} {' '.join(terms)}"

@@ -5,7 +5,8 @@ made.
 
 V and W are relative vectors, F, G and H body vectors (`body_vectors`), in layers 0 to 2: as they are, their
 rates, their remainders.  Components of a gap, right angles, distances, strokes, angles and threads are all of
-this form; the first primitives are equations, Φ = μ - f(t).  The second derivative of a product is
+this form; the first primitives are equations, Φ = μ - f(t), to which others of a chain add
+μ or, of cams, -c(μ).  The second derivative of a product is
 2 V̇ · Ẇ + V · Ẅ + V̈ · W; that of θ with x = F · H and y = G · H is that of atan2, as in `joints.screw`.
 """
 
@@ -130,16 +131,64 @@ def add_primitive_row(geometry: Geometry, k: int, factor: float, row: np.ndarray
 
 
 @kernel
+def _in_chain(system: System, work: Work, k: int, expected: np.ndarray) -> tuple[float, float, float]:
+    """Share of primitive k in its chain, and its first two derivatives by the primitive."""
+    turn, curve = system.primitives[k]["turn"], system.primitives[k]["curve"]
+    value = primitive_value(geometry_of(system, work), k, expected[turn] if turn >= 0 else 0.0)
+    if curve < 0:
+        return value, 1.0, 0.0
+    f, slope, bend = function_values(system.functions, system.knots, curve, value)
+    return -f, -slope, -bend
+
+
+@kernel
+def chain_value(system: System, work: Work, k: int, expected: np.ndarray) -> float:
+    """Value of primitive k and of those that are added to it; expected: the angles expected, rad."""
+    value, k = _in_chain(system, work, k, expected)[0], system.primitives[k]["next"]
+    while k >= 0:
+        value += _in_chain(system, work, k, expected)[0]
+        k = system.primitives[k]["next"]
+    return value
+
+
+@kernel
+def chain_rates(system: System, work: Work, k: int) -> tuple[float, float]:
+    """Rate of a chain, and its second derivative without those of the coordinates, at moved body vectors."""
+    rate, rest = _rates_in_chain(system, work, k)
+    k = system.primitives[k]["next"]
+    while k >= 0:
+        more, more_rest = _rates_in_chain(system, work, k)
+        rate, rest, k = rate + more, rest + more_rest, system.primitives[k]["next"]
+    return rate, rest
+
+
+@kernel
+def _rates_in_chain(system: System, work: Work, k: int) -> tuple[float, float]:
+    rate, rest = primitive_rates(geometry_of(system, work), k)
+    if system.primitives[k]["curve"] < 0:
+        return rate, rest
+    _, slope, bend = _in_chain(system, work, k, work.angles)
+    return slope * rate, slope * rest + bend * rate * rate
+
+
+@kernel
+def add_chain_row(system: System, work: Work, k: int, factor: float, row: np.ndarray) -> None:
+    """Add factor times the derivative of a chain by the speeds to row (n,)."""
+    while k >= 0:
+        share = factor
+        if system.primitives[k]["curve"] >= 0:
+            share *= _in_chain(system, work, k, work.angles)[1]
+        add_primitive_row(geometry_of(system, work), k, share, row)
+        k = system.primitives[k]["next"]
+
+
+@kernel
 def equation_residuals(system: System, work: Work, t: float, expected: np.ndarray, phi: np.ndarray) -> None:
     """Fill the last rows of phi (m,), those of the primitives that are equations."""
-    first, geometry = system.bodies.shape[0], geometry_of(system, work)
+    first = system.bodies.shape[0]
     for row in range(first, phi.shape[0]):
-        k, phi[row] = row - first, 0.0
-        function = system.primitives[k]["function"]
-        while k >= 0:
-            turn = system.primitives[k]["turn"]
-            phi[row] += primitive_value(geometry, k, expected[turn] if turn >= 0 else 0.0)
-            k = system.primitives[k]["next"]
+        function = system.primitives[row - first]["function"]
+        phi[row] = chain_value(system, work, row - first, expected)
         if function >= 0:
             phi[row] -= function_values(system.functions, system.knots, function, t)[0]
 
@@ -147,14 +196,11 @@ def equation_residuals(system: System, work: Work, t: float, expected: np.ndarra
 @kernel
 def equation_rows(system: System, work: Work, jacobian: np.ndarray) -> None:
     """Fill the last rows of jacobian (m, c), not scaled."""
-    first, geometry, whole = system.bodies.shape[0], geometry_of(system, work), work.vectors[PRODUCT]
+    first, whole = system.bodies.shape[0], work.vectors[PRODUCT]
     for row in range(first, jacobian.shape[0]):
         for p in range(1, 1 + work.columns[row, 0]):
             whole[work.columns[row, p]] = 0.0
-        k = row - first
-        while k >= 0:
-            add_primitive_row(geometry, k, 1.0, whole)
-            k = system.primitives[k]["next"]
+        add_chain_row(system, work, row - first, 1.0, whole)
         for p in range(work.columns[row, 0]):
             jacobian[row, p] = whole[work.columns[row, 1 + p]]
 
@@ -173,12 +219,9 @@ def equation_velocities(system: System, t: float, nu: np.ndarray) -> None:
 @kernel
 def equation_accelerations(system: System, work: Work, t: float, gamma: np.ndarray) -> None:
     """Fill the last rows of gamma (m,), at moved body vectors."""
-    first, geometry = system.bodies.shape[0], geometry_of(system, work)
+    first = system.bodies.shape[0]
     for row in range(first, gamma.shape[0]):
-        k, gamma[row] = row - first, 0.0
-        function = system.primitives[k]["function"]
-        while k >= 0:
-            gamma[row] -= primitive_rates(geometry, k)[1]
-            k = system.primitives[k]["next"]
+        function = system.primitives[row - first]["function"]
+        gamma[row] = 0.0 - chain_rates(system, work, row - first)[1]
         if function >= 0:
             gamma[row] += function_values(system.functions, system.knots, function, t)[2]

@@ -27,7 +27,7 @@ from ..laws import (
 )
 from ..linalg.rotation import dot
 from .body_vectors import RATE, VECTOR, Geometry, add_vector_row, geometry_of, vector
-from .constraint_primitives import add_primitive_row, primitive_rates, primitive_value
+from .constraint_primitives import add_chain_row, add_primitive_row, chain_rates, chain_value, primitive_rates
 from .system import System, Work
 
 # The codes of model.arrays.records; a test compares them.
@@ -38,15 +38,14 @@ ELEMENT, FRICTION = 5, 6
 def add_element(system: System, work: Work, k: int, t: float, f: np.ndarray) -> float:
     """Add element k to f (n,); returns the power of what stores no energy."""
     load, answer = system.loads[k], work.responses[k]
-    geometry = geometry_of(system, work)
-    directed = _fill_coordinate(geometry, work, load, answer)
+    directed = _fill_coordinate(system, work, load, answer)
     effort = answer_law(load, system.functions, system.knots, t, directed, answer)
     if not directed:
         return 0.0
     if load["in_line"]:
-        add_along_line(geometry, load["primitive"], effort / answer[COORDINATE], f)
+        add_along_line(geometry_of(system, work), load["primitive"], effort / answer[COORDINATE], f)
     else:
-        add_primitive_row(geometry, load["primitive"], effort, f)
+        add_chain_row(system, work, load["primitive"], effort, f)
     return answer[POWER]
 
 
@@ -59,9 +58,9 @@ def add_along_line(geometry: Any, k: int, share: float, f: np.ndarray) -> None:
 
 
 @kernel
-def _fill_coordinate(geometry: Geometry, work: Work, load: np.void, answer: np.ndarray) -> bool:
+def _fill_coordinate(system: System, work: Work, load: np.void, answer: np.ndarray) -> bool:
     """Coordinate and rate of an element; whether it has a direction: ends that coincide have none."""
-    k = load["primitive"]
+    k, geometry = load["primitive"], geometry_of(system, work)
     if load["in_line"]:
         d, v = (
             vector(geometry.relative_vectors[VECTOR, k], 0),
@@ -76,9 +75,8 @@ def _fill_coordinate(geometry: Geometry, work: Work, load: np.void, answer: np.n
     if load["tilted"] >= 0 and not _is_upright(geometry, load):
         answer[COORDINATE], answer[SPEED] = math.nan, math.nan
         return True
-    turn = geometry.primitives[k]["turn"]
-    answer[COORDINATE] = primitive_value(geometry, k, work.angles[turn] if turn >= 0 else 0.0)
-    answer[SPEED] = primitive_rates(geometry, k)[0]
+    answer[COORDINATE] = chain_value(system, work, k, work.angles)
+    answer[SPEED] = chain_rates(system, work, k)[0]
     return True
 
 
@@ -105,10 +103,11 @@ def add_unit_friction(system: System, work: Work, k: int, f: np.ndarray) -> None
 
 @kernel
 def add_element_slope(
-    geometry: Any, work: Work, load: np.void, k: int, by_position: float, by_speed: float, y: np.ndarray
+    system: System, work: Work, k: int, by_position: float, by_speed: float, y: np.ndarray
 ) -> None:
     """y += (by_position K + by_speed D) x of element k, where the body vectors have been moved by x."""
-    answer, r = work.responses[k], load["c"][RADIUS]
+    load, answer, geometry = system.loads[k], work.responses[k], geometry_of(system, work)
+    r = load["c"][RADIUS]
     amount = by_position * answer[STIFFNESS] + by_speed * answer[DAMPING]
     if load["kind"] == FRICTION:
         if load["primitive"] >= 0:
@@ -125,6 +124,5 @@ def add_element_slope(
             stretched = dot(d, vector(geometry.relative_vectors[RATE, load["primitive"]], 0))
             add_along_line(geometry, load["primitive"], amount * stretched / square, y)
     else:
-        add_primitive_row(
-            geometry, load["primitive"], amount * primitive_rates(geometry, load["primitive"])[0], y
-        )
+        rate = chain_rates(system, work, load["primitive"])[0]
+        add_chain_row(system, work, load["primitive"], amount * rate, y)

@@ -96,12 +96,11 @@ def add_stiff(
     """y += (by_position K + by_speed D) x, as `tangent_times`."""
     for k in range(system.flexible.shape[0]):
         _add_flexible(system, system.flexible[k], by_position, by_speed, x, y)
-    geometry = geometry_of(system, work)
     if system.loads.shape[0] > 0:
-        move_vectors(geometry, x)
+        move_vectors(geometry_of(system, work), x)
     for k in range(system.loads.shape[0]):
         if system.loads[k]["kind"] >= ELEMENT:
-            add_element_slope(geometry, work, system.loads[k], k, by_position, by_speed, y)
+            add_element_slope(system, work, k, by_position, by_speed, y)
 
 
 @part

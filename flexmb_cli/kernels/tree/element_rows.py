@@ -43,6 +43,8 @@ def set_element_rows(
             slopes[e, 0], slopes[e, 1] = 0.0, slopes[e, 1] * tree.normals[k]
         elif tree.elements[e]["measure"] == IN_COORDINATE:
             rows[e, tree.elements[e]["coordinate"]] = 1.0
+            if tree.elements[e]["curve"] >= 0:
+                rows[e, tree.elements[e]["cam"]] -= tree.elements[e]["slope"]
         else:
             _set_row(tree, work, coordinates, tree.elements[e], rows[e])
         for m in range(rows.shape[1]):

@@ -1,6 +1,7 @@
 """Elements of a tree: what they measure at placed frames, and their efforts along coordinates and on frames.
 
-An element in a hinge coordinate adds to the effort along it.  One between two bodies pushes body j at a place
+An element in a hinge coordinate adds to the effort along it, and of a follower along that of its cam.
+One between two bodies pushes body j at a place
 by its effort and body i by the opposite there; along the elastic coordinates that displace its ends the same
 force does work: each costs O(1).
 """
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._jit import part
+from ..constrained.time_functions import function_values
 from ..laws import COORDINATE, EFFORT, ENERGY, NO_LENGTH, POWER, SPEED, answer_law
 from ..linalg.vec3 import accumulate, column, cross, dot, inward, minus, outward, plus, scaled, store, triple
 from .kinematics import _along_axes
@@ -31,11 +33,19 @@ def answer_elements(
         element, answer, directed = tree.elements[i], tree.answers[i], True
         if element["measure"] == IN_COORDINATE:
             answer[COORDINATE], answer[SPEED] = q[element["coordinate"]], y[element["coordinate"]]
+            if element["curve"] >= 0:
+                cam = element["cam"]
+                value, slope, _ = function_values(tree.curves, tree.knots, element["curve"], q[cam])
+                element["slope"] = slope
+                answer[COORDINATE] -= value
+                answer[SPEED] -= slope * y[cam]
         else:
             directed = _measure(element, work, q, y, answer)
         effort = answer_law(element, tree.curves, tree.knots, min(t, element["until"]), directed, answer)
         if element["measure"] == IN_COORDINATE:
             coordinates[element["coordinate"]]["effort"] += effort
+            if element["curve"] >= 0:
+                coordinates[element["cam"]]["effort"] -= element["slope"] * effort
         elif element["measure"] != ABOUT:
             force = scaled(effort, triple(element["force"], 0))
             _push_node(element["node_j"], inward(work[element["frame_j"]]["axes"], force), 1.0, coordinates)

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._jit import kernel
+from ..constrained.time_functions import function_values
 from ..linalg.number_rows import product
 from ..linalg.vec3 import (
     accumulate,
@@ -54,8 +55,7 @@ def evaluate_rows(tree: "TreeArrays", work: np.ndarray, q: np.ndarray, y: np.nda
     for i in range(tree.closures.shape[0]):
         row = tree.closures[i]
         if row["coupling"] >= 0:
-            factors = tree.couplings[row["coupling"]]
-            row["gap"], row["rate"] = product(factors, q) - row["value"], product(factors, y)
+            _evaluate_coupling(tree, row, q, y)
             continue
         a, b = work[row["frame_a"]], work[row["frame_b"]]
         direction = column(b["axes"], row["axis"])
@@ -65,6 +65,19 @@ def evaluate_rows(tree: "TreeArrays", work: np.ndarray, q: np.ndarray, y: np.nda
         store(place, row["place"], 0)
         row["gap"] = dot(direction, minus(place, other))
         row["rate"] = dot(direction, _relative_velocity(a, b, place))
+
+
+@kernel
+def _evaluate_coupling(tree: "TreeArrays", row: np.void, q: np.ndarray, y: np.ndarray) -> None:
+    """Set gap and rate of a coupling; of a cam q_follower - f(q_cam) its factor -f', and what f'' adds."""
+    factors, offset = tree.couplings[row["coupling"]], row["value"]
+    row["bend"] = 0.0
+    if row["curve"] >= 0:
+        cam = row["cam"]
+        value, slope, bend = function_values(tree.curves, tree.knots, row["curve"], q[cam])
+        factors[cam] = -slope
+        offset, row["bend"] = value - slope * q[cam], -bend * y[cam] * y[cam]
+    row["gap"], row["rate"] = product(factors, q) - offset, product(factors, y)
 
 
 @kernel
@@ -92,7 +105,7 @@ def _carried(s: np.void, motion: np.ndarray, place: tuple[float, float, float]) 
 def _gap_acceleration(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, row: np.void) -> float:
     """Second derivative of the gap at the present accelerations."""
     if row["coupling"] >= 0:
-        return _coupled(tree.couplings[row["coupling"]], coordinates["rate"])
+        return _coupled(tree.couplings[row["coupling"]], coordinates["rate"]) + row["bend"]
     a, b, place = work[row["frame_a"]], work[row["frame_b"]], triple(row["place"], 0)
     wa, wb = triple(a["angular"], 0), triple(b["angular"], 0)
     of_a = plus(

@@ -13,7 +13,8 @@ import numpy as np
 from ..flexible_mechanism import NodePoint, PointJoint
 from ..joint_elements import COORDINATES_OF, JointElements
 from ..joints import ANGLE, BY_NAME, PITCH, STROKE
-from ..laws import FRICTION, SPRING, At, Element, Frames, Line, is_angle
+from ..laws import FRICTION, SPRING, At, Cam, Element, Frames, Line, is_angle
+from ..time_functions import MotionFunction
 from .constraint_table import PrimitiveTable
 from .laws import fill_bushing, fill_law
 from .node_joints import JointVectors
@@ -106,12 +107,14 @@ class ElementTable:
                 self._scaled(self.joints.primitive(joint, coordinate), factor / item.scale)
                 for joint, coordinate, factor in item.terms
             ]
-            is_length = not all(is_angle(coordinate) for _, coordinate, _ in item.terms)
-            first = sum(factor * self.joints.start(joint, kind) for joint, kind, factor in item.terms)
-            records[0]["constant"] += first / item.scale
+            if item.function:
+                records[-1] = self._curve(*item.terms[-1][:2], item.function)
+            else:
+                first = sum(factor * self.joints.start(joint, kind) for joint, kind, factor in item.terms)
+                records[0]["constant"] += first / item.scale
             record = self.table.chained(records)
             ends = self.joints.bodies(item.terms[0][0])
-            self.table.equations(item.name, item.place, *ends, [("coupling", is_length, record)])
+            self.table.equations(item.name, item.place, *ends, [("coupling", not item.of_angles, record)])
 
     @staticmethod
     def _scaled(record: np.ndarray, factor: float) -> Any:
@@ -147,10 +150,18 @@ class ElementTable:
         record = self._line(item.measure) if isinstance(item.measure, Line) else self._at(item.measure)
         return fill_law(record, item.law, item.values, self.table)
 
-    def _at(self, measure: At) -> Any:
-        record = blank_load(ELEMENT)
+    def _at(self, measure: At | Cam) -> Any:
+        record, primitives = blank_load(ELEMENT), [self.joints.primitive(measure.joint, measure.coordinate)]
+        if isinstance(measure, Cam):
+            primitives.append(self._curve(*measure[2:]))
         record["shape"] = SPRING.code
-        record["primitive"] = self.table.spring(self.joints.primitive(measure.joint, measure.coordinate))
+        record["primitive"] = self.table.spring(self.table.chained(primitives))
+        return record
+
+    def _curve(self, joint: int, coordinate: str, function: MotionFunction) -> np.ndarray:
+        """The primitive of a coordinate whose function is subtracted in a chain."""
+        record = self.joints.primitive(joint, coordinate)
+        record["curve"] = self.table.function(function, of_time=False)
         return record
 
     def _end(self, body: int, point: Any) -> Any:

@@ -69,6 +69,7 @@ PRIMITIVE = np.dtype(
         ("function", np.int64),  # what the primitive follows, -1: 0
         ("constant", np.float64),  # that is taken off, m², m, rad or 1
         ("next", np.int64),  # primitive that is added to it in an equation, -1: none
+        ("curve", np.int64),  # function of it that an equation subtracts in place of adding it, -1: none
     ]
 )
 
@@ -149,7 +150,7 @@ def blank_primitive() -> np.ndarray:
     """A PRIMITIVE record that refers to nothing."""
     record = np.zeros((), PRIMITIVE)
     record["ends"] = NONE
-    for field in ("f", "g", "h", "turn", "function", "next"):
+    for field in ("f", "g", "h", "turn", "function", "next", "curve"):
         record[field] = NONE
     return record
 

@@ -6,7 +6,7 @@ Condensing the rotations out of a beam leaves a stiffness between any two nodes,
 factor 2 - sqrt(3) from node to node: thirty nodes away it is below the round-off of the diagonal.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +15,7 @@ from ..geometric_stiffness import across, beam_direction, geometric_stiffness
 from ..laws import FRICTION
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from .node_frames import NodeFrames, empty_node_frames
-from .tree_elements import TreeElements
+from .tree_elements import CLOSURE_ROW, REPEATED, TreeElements
 from .tree_frames import NODAL_MASS, tree_frames
 
 NEGLIGIBLE = 1e-17  # of the geometric mean of the two diagonal places: a tenth of the unit round-off
@@ -70,29 +70,6 @@ TORQUE = np.dtype(
     ]
 )
 
-# A pivot below this part of the row's own response means that other rows close this direction too.
-REPEATED = 1e-9
-# One closed direction of a closure, or a coupling: what it is, then what the kernels found for it last.
-CLOSURE_ROW = np.dtype(
-    [
-        ("frame_a", np.int64),  # number of the first FRAME
-        ("frame_b", np.int64),  # number of the second FRAME
-        ("point_a", np.float64, 3),  # axes of frame a, m
-        ("point_b", np.float64, 3),  # axes of frame b, m
-        ("axis", np.int64),  # 0, 1, 2 of frame b
-        ("coupling", np.int64),  # number of the coupling, -1: a closed direction
-        ("value", np.float64),  # which the sum of a coupling keeps, m or rad
-        ("direction", np.float64, 3),  # of that axis, inertial axes
-        ("place", np.float64, 3),  # of point a, inertial axes, m
-        ("gap", np.float64),  # (p_a - p_b) . direction, m
-        ("rate", np.float64),  # its rate, m/s
-        ("force", np.float64),  # along the direction on body a, and opposite on body b, N
-        ("repeated", np.float64),  # pivot, share of `own`, below which others close the direction
-        ("own", np.float64),  # acceleration per unit force, 1/kg, before elimination
-        ("order", np.int64),  # the row that is eliminated in this place
-    ]
-)
-
 
 class TreeArrays(NamedTuple):
     """A tree in numbers.  NS coordinates; `elastic`, `given` (NS,) mark elastic and prescribed ones."""
@@ -108,9 +85,7 @@ class TreeArrays(NamedTuple):
     torques: np.ndarray  # TORQUE records
     closures: np.ndarray  # CLOSURE_ROW records, one a closed direction
     closure_matrix: np.ndarray  # (rows, rows) work: J b^-1 Jᵀ, 1/kg
-    couplings: (
-        np.ndarray
-    )  # (C, NS) factors of the coordinates in the couplings; their rows follow the closures
+    couplings: np.ndarray  # (C, NS) factors of coordinates in couplings, whose rows follow the closures
     row_forces: np.ndarray  # (1 + m, rows) without friction, N or N m, and by unit normal forces
     reactions: np.ndarray  # (F, 6) force of its hinge on every frame, N, and moment about its origin, N m
     gravity: np.ndarray  # (3,) inertial axes, m/s²
@@ -137,7 +112,7 @@ def tree_arrays(tree: Tree) -> TreeArrays:
     stiffness, damping, stiffening = matrices
     elements = TreeElements(tree, index, parts.of_body)
     couplings = elements.couplings()
-    closures = _closure_rows(tree, parts.of_body, parts.of_node, len(couplings))
+    closures = np.concatenate([*_closure_rows(tree, parts.of_body, parts.of_node), elements.coupling_rows()])
     prescribed = _prescribed(tree, elements)
     torques = [
         (parts.of_body[t.body], t.axis - 1, elements.table.function(t.function), 0.0, np.inf, 0.0)
@@ -258,9 +233,8 @@ def hanging_masses(tree: Any, k: int) -> np.ndarray:
     return hanging
 
 
-def _closure_rows(tree: Tree, of_body: list[int], of_node: dict[Any, Any], couplings: int) -> np.ndarray:
-    """Rows of all closed directions, then of so many couplings."""
-    rows = []
+def _closure_rows(tree: Tree, of_body: list[int], of_node: dict[Any, Any]) -> Iterator[np.ndarray]:
+    """Rows of all closed directions."""
     for c in tree.closures:
         a = of_body[c.a] if c.a_node is None else of_node[c.a, c.a_node, None]
         b = 0 if c.b == INERTIAL else of_body[c.b] if c.b_node is None else of_node[c.b, c.b_node, None]
@@ -271,10 +245,7 @@ def _closure_rows(tree: Tree, of_body: list[int], of_node: dict[Any, Any], coupl
             row = np.zeros(1, CLOSURE_ROW)
             row["frame_a"], row["frame_b"], row["axis"], row["repeated"] = a, b, axis - 1, REPEATED
             row["point_a"], row["point_b"], row["coupling"] = point_a, point_b, -1
-            rows.append(row)
-    coupled = np.zeros(couplings, CLOSURE_ROW)
-    coupled["coupling"], coupled["repeated"] = np.arange(couplings), REPEATED
-    return np.concatenate([*rows, coupled])
+            yield row
 
 
 def _inertia_scale(tree: Any) -> np.ndarray:

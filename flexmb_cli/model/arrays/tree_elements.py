@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..laws import FRICTION, At, Frames
+from ..laws import FRICTION, At, Cam, Frames
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from .function_table import FunctionTable
 from .laws import fill_bushing, fill_law
@@ -26,6 +26,9 @@ TREE_ELEMENT = np.dtype(
     [
         ("measure", np.int64),  # IN_COORDINATE, IN_LINE, ALONG, ABOUT
         ("coordinate", np.int64),  # IN_COORDINATE: number of the hinge coordinate
+        ("curve", np.int64),  # IN_COORDINATE: function of a cam that is taken off, among `curves`, -1: none
+        ("cam", np.int64),  # number of the coordinate that `curve` is a function of
+        ("slope", np.float64),  # of `curve`, as it was evaluated last, m or rad per m or rad
         ("frame_i", np.int64),  # FRAME of the first body, 0: inertial
         ("frame_j", np.int64),  # FRAME of the second body
         ("point_i", np.float64, 3),  # undeformed, axes of frame i, m
@@ -52,6 +55,33 @@ TREE_FRICTION = np.dtype(
         ("turning_effort", np.float64),  # by the normal force 1 N, N m
         ("sliding_effort", np.float64),  # by the normal force 1 N, N
         *LAW.descr,
+    ]
+)
+
+
+# A pivot below this part of the row's own response means that other rows close this direction too.
+REPEATED = 1e-9
+# One closed direction of a closure, or a coupling: what it is, then what the kernels found for it last.
+CLOSURE_ROW = np.dtype(
+    [
+        ("frame_a", np.int64),  # number of the first FRAME
+        ("frame_b", np.int64),  # number of the second FRAME
+        ("point_a", np.float64, 3),  # axes of frame a, m
+        ("point_b", np.float64, 3),  # axes of frame b, m
+        ("axis", np.int64),  # 0, 1, 2 of frame b
+        ("coupling", np.int64),  # number of the coupling, -1: a closed direction
+        ("value", np.float64),  # which the sum of a coupling keeps, m or rad
+        ("curve", np.int64),  # function of a cam among `curves`, -1: none
+        ("cam", np.int64),  # coordinate that the function of a cam is of
+        ("bend", np.float64),  # what a cam adds to the second derivative of its gap, m/s² or rad/s²
+        ("direction", np.float64, 3),  # of that axis, inertial axes
+        ("place", np.float64, 3),  # of point a, inertial axes, m
+        ("gap", np.float64),  # (p_a - p_b) . direction, m
+        ("rate", np.float64),  # its rate, m/s
+        ("force", np.float64),  # along the direction on body a, and opposite on body b, N
+        ("repeated", np.float64),  # pivot, share of `own`, below which others close the direction
+        ("own", np.float64),  # acceleration per unit force, 1/kg, before elimination
+        ("order", np.int64),  # the row that is eliminated in this place
     ]
 )
 
@@ -85,14 +115,29 @@ class TreeElements:
                 row[self.coordinate(joint, coordinate)] += factor / item.scale
         return found
 
+    def coupling_rows(self) -> np.ndarray:
+        """The CLOSURE_ROW records of the couplings."""
+        couplings = self.tree.elements.couplings
+        found = np.zeros(len(couplings), CLOSURE_ROW)
+        found["coupling"], found["repeated"], found["curve"] = np.arange(len(couplings)), REPEATED, -1
+        for row, item in zip(found, couplings, strict=True):
+            if item.function:
+                row["curve"] = self.table.function(item.function, of_time=False)
+                row["cam"] = self.coordinate(*item.terms[-1][:2])
+        return found
+
     def _elements(self) -> np.ndarray:
         """The TREE_ELEMENT records: those of `names_of` without friction."""
         forces = [item for item in self.tree.elements.forces if item.law is not FRICTION]
         found, at = np.zeros(sum(len(item.parts) for item in forces), TREE_ELEMENT), 0
         for item in forces:
             records = found[at : at + len(item.parts)]
-            if isinstance(item.measure, At):
-                records["measure"], records["coordinate"] = IN_COORDINATE, self.coordinate(*item.measure)
+            records["curve"] = -1
+            if isinstance(item.measure, At | Cam):
+                records["measure"], records["coordinate"] = IN_COORDINATE, self.coordinate(*item.measure[:2])
+                if isinstance(item.measure, Cam):
+                    records["cam"] = self.coordinate(*item.measure[2:4])
+                    records["curve"] = self.table.function(item.measure.function, of_time=False)
             else:
                 self._place(records, item.measure)
             if isinstance(item.measure, Frames):

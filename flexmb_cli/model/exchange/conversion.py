@@ -11,7 +11,7 @@ import numpy as np
 from ...errors import Place
 from ..joint_elements import Coupling, JointDriver
 from ..joints import ANGLE
-from ..laws import OF_TIME, At, Element, Frames, Joint, Parameter
+from ..laws import OF_TIME, At, Cam, Element, Frames, Joint, Parameter
 from ..mechanism import GROUND, Vector
 from ..shapes import Shape, ShapeCard
 from ..vectors import rotation_matrix
@@ -98,7 +98,10 @@ class Conversion(ABC):
             places = [self.joint_coordinate(item, joint, name) for joint, name, _ in item.terms]
             terms = zip(places, item.terms, strict=True)
             if None not in places:
-                yield replace(item, terms=tuple((*p[:2], factor) for p, (_, _, factor) in terms if p))
+                moved = tuple((*p[:2], factor) for p, (_, _, factor) in terms if p)
+                starts = [p[2] for p in places if p]
+                function = item.function and transformed(item.function, starts[-1], starts[0])
+                yield replace(item, terms=moved, function=function)
 
     def _element(self, item: Element) -> Element | None:
         measure = item.measure
@@ -111,6 +114,13 @@ class Conversion(ABC):
                 return None
             values = item.since(where[2]).changed(self._from_start)
             return replace(item, measure=At(*where[:2]), values=values)
+        if isinstance(measure, Cam):
+            ends = (self.joint_coordinate(item, *at) for at in (measure[:2], measure[2:4]))
+            follower, cam = ends
+            if follower is None or cam is None:
+                return None
+            function = transformed(measure.function, cam[2], follower[2])
+            return replace(item, measure=Cam(*follower[:2], *cam[:2], function))
         i, j = self.end(measure.i, measure.P_i), self.end(measure.j, measure.P_j)
         if i[0] == GROUND == j[0] or (isinstance(measure, Frames) and not self._is_like(item, i[0])):
             return None

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from ..joint_elements import Coupling
 from ..joints import ANGLE
-from ..laws import OF_TIME, Element, Frames, Line, Parameter
+from ..laws import OF_TIME, Cam, Element, Frames, Line, Parameter
 from ..time_functions import MotionFunction
 from .functions import transformed
 from .rigid_model import RigidModel, vector
@@ -90,6 +90,8 @@ class _Scaling(NamedTuple):
         ends = item.measure
         if isinstance(ends, Line | Frames):
             ends = ends._replace(P_i=self(ends.P_i), P_j=self(ends.P_j))
+        if isinstance(ends, Cam):
+            ends = ends._replace(function=self._of_cam(ends.function, ends.coordinate, ends.cam_coordinate))
         return replace(item, measure=ends, values=item.changed(changed))
 
     def coupling(self, item: Coupling) -> Coupling:
@@ -97,4 +99,9 @@ class _Scaling(NamedTuple):
         terms = (
             (joint, name, self(factor, 0 if name == ANGLE else -1)) for joint, name, factor in item.terms
         )
-        return replace(item, terms=tuple(terms))
+        function = item.function and self._of_cam(item.function, item.terms[0][1], item.terms[-1][1])
+        return replace(item, terms=tuple(terms), function=function)
+
+    def _of_cam(self, function: MotionFunction, follower: str, cam: str) -> Any:
+        """Return the function of a cam's coordinate that a follower's coordinate equals."""
+        return self(function, int(follower != ANGLE), stretch=int(cam != ANGLE))

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...model.joint_elements import JointElements, names_of
 from ...model.joints import ANGLE
-from ...model.laws import Element, is_angle
+from ...model.laws import Element
 
 if TYPE_CHECKING:
     from ...model.shapes import Shape
@@ -193,10 +193,7 @@ def with_elements(
     """The layout with axes and series of joint coordinates, pairs of name and unit, and of elements."""
     axes = list(layout.axes)
     # The effort at a factor of 1: a coupling of a stroke is an equation of lengths.
-    angular = {
-        item.name: all(is_angle(coordinate) for _, coordinate, _ in item.terms) for item in elements.couplings
-    }
-    of_couplings = [(name, "N m" if of_angles else "N") for name, of_angles in angular.items()]
+    of_couplings = [(item.name, "N m" if item.of_angles else "N") for item in elements.couplings]
     named = list(names_of(elements, springs))
     for kind, names in (("coordinate", coordinates), ("element", named), ("coupling", of_couplings)):
         if names:

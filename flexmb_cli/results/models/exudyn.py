@@ -15,7 +15,7 @@ import numpy as np
 from ...errors import Fault, ModelError
 from ...model.arrays.element_table import coordinates_of_joints
 from ...model.joint_elements import JointElements
-from ...model.laws import BUSHING, CABLE, FRICTION, MOTOR, SPRING, STOP, At, Element, is_angle
+from ...model.laws import BUSHING, CABLE, FRICTION, MOTOR, SPRING, STOP, At, Cam, Element, is_angle
 from ...model.loads import DynamicModel
 from ...model.mechanism import GROUND
 from ...model.vectors import rotation_matrix
@@ -222,6 +222,8 @@ def _foreign_elements(elements: JointElements) -> Iterator[Fault]:
 
 def _refused(item: Element) -> tuple[str, str] | None:
     """Return why a force element does not convert, and the identifier of the fault."""
+    if isinstance(item.measure, Cam):
+        return "followers of cams do not convert", "RESULT-086"
     if item.law in (SPRING, CABLE, STOP):
         if item.law is SPRING and (item["curve"] or item["damper"]):
             return "springs and dampers with functions do not convert", "RESULT-074"

@@ -105,7 +105,7 @@ def _factors(tree: Tree) -> np.ndarray:
     number = {(c.body, f"{c.motion} {c.axis}"): m for m, c in enumerate(tree.coordinates)}
     factors = np.zeros((len(tree.elements.couplings), len(number)))
     for row, item in zip(factors, tree.elements.couplings, strict=True):
-        for body, coordinate, factor in item.terms:
+        for body, coordinate, factor in item.terms[: 1 if item.function else None]:
             row[number[body, coordinate]] += factor
     return factors
 

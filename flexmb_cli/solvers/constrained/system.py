@@ -92,6 +92,7 @@ class PositionGaps:
 
     def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
         """Scaled residual (m,) at q; expected: the angles expected."""
+        self.work.angles[:] = expected
         evaluate_residual(self.system, self.work, q, t, expected)
         found: np.ndarray = self.work.rows[PHI] / self.arrays.row_scale
         return found

@@ -12,7 +12,7 @@ import numpy as np
 from ...errors import AnalysisError, Fault
 from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.motion import derivative, parts
-from ...model.arrays.tree import REPEATED
+from ...model.arrays.tree_elements import REPEATED
 from ...model.arrays.tree_frames import rotation_matrix
 from ...model.equations import DEPENDENT
 from ...model.tree import ROTATION, Tree

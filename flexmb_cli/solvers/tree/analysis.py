@@ -14,7 +14,8 @@ from ...kernels.integrators import tree_dop853
 from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.report import Report
 from ...kernels.tree.work import FRAME_WORK, tree_work
-from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
+from ...model.arrays.tree import TreeArrays, initial_attitudes, tree_arrays
+from ...model.arrays.tree_elements import CLOSURE_ROW
 from ...model.integrators import LIBRARY_TREE_METHODS, steps_at_limit
 from ...model.joint_elements import names_of
 from ...model.tree import Tree

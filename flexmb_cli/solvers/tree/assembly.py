@@ -8,7 +8,8 @@ from ...errors import AnalysisError, Fault, ModelError
 from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...kernels.tree.loop_closures import IMMOBILE
-from ...model.arrays.tree import REPEATED, TreeArrays
+from ...model.arrays.tree import TreeArrays
+from ...model.arrays.tree_elements import REPEATED
 from ...model.tree import ASSEMBLED_GAP, ROTATION, Closure, Tree
 from ..assembly import LOOSEST, NEAR, TO_GAP
 from .loop_assembly import loop_size, nearest_closed

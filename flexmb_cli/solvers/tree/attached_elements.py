@@ -26,8 +26,10 @@ def attach_elements(analysis: "TreeAnalysis") -> None:
     """
     arrays, n = analysis.arrays, analysis.arrays.given.size
     elements, coupled = arrays.elements, arrays.closures["coupling"] >= 0
+    sums = arrays.closures["curve"][coupled] < 0
     _call(analysis, tree_dop853.GO_ON)
-    arrays.closures["value"][coupled] = arrays.couplings @ analysis.integration.trial[n : 2 * n]
+    values = arrays.couplings @ analysis.integration.trial[n : 2 * n]
+    arrays.closures["value"][coupled] = np.where(sums, values, 0.0)
     axes = analysis.work["axes"].reshape(-1, 3, 3)
     turned = axes[elements["frame_j"]].swapaxes(1, 2) @ axes[elements["frame_i"]]
     elements["turned"] = turned.reshape(-1, 9)

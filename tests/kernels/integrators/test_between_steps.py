@@ -10,7 +10,7 @@ from flexmb_cli.kernels.integrators.dop853 import interpolate, interpolate_slope
 from flexmb_cli.kernels.integrators.dop853_table import DENSE_TERMS, STAGE_TIMES
 from flexmb_cli.kernels.integrators.hermite import cubic, cubic_slope, quintic
 from flexmb_cli.kernels.integrators.sdirk4 import implicit_work
-from flexmb_cli.model.arrays.tree import CLOSURE_ROW
+from flexmb_cli.model.arrays.tree_elements import CLOSURE_ROW
 
 INSIDE = (0.0, 0.2, 0.55, 0.9, 1.0)
 T, H = 0.4, 0.25  # s: the step

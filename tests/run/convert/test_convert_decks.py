@@ -31,6 +31,8 @@ EXACT, COLUMNS = 1e-9, 1e-6
 CONVERTED = {
     ("young/dynamics/IN-ANDREWS.dat", "vsdf"): EXACT,
     ("young/dynamics/IN-ARM.dat", "vsdf"): EXACT,
+    ("young/dynamics/IN-CAM.dat", "vsdf"): 1e-6,  # through impacts
+    ("young/dynamics/IN-CAM.dat", "dafms"): 1e-6,
     ("young/dynamics/IN-ELEMENTS.dat", "vsdf"): 2e-7,  # both methods at 1e-9, through friction and a stop
     ("young/dynamics/IN4-BAR-MASS.dat", "vsdf"): EXACT,
     ("young/dynamics/IN-ARM.dat", "dafms"): COLUMNS,
