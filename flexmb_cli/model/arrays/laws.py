@@ -18,7 +18,7 @@ NONE = -1
 LAW = np.dtype(
     [
         ("shape", np.int64),  # code of a law of `model.laws`
-        ("c", np.float64, 6),  # its numbers in their order, SI units; of a motor a constant effort
+        ("c", np.float64, 10),  # its numbers in their order, SI units; of a motor a constant effort
         # Its functions in their order, -1: none; behind one of the coordinate its integral.
         ("f", np.int64, 3),
     ]

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from .contacts import TOUCH
 from .laws import LAW, NONE
 
 FORCE, TORQUE, ELEMENT, FRICTION = 1, 2, 5, 6
@@ -74,11 +75,13 @@ LOAD = np.dtype(
         ("following", np.int64),  # 1: the vector is in body axes
         ("vector", np.float64, 3),  # N or N m
         ("in_line", np.int64),  # ELEMENT: 1: it acts in the length of V
+        # Of a contact the primitive whose V is the point of body j.
         ("stroke", np.int64),  # FRICTION: primitive of the stroke, -1: none; `primitive` is the angle
         ("group", np.int64),  # FRICTION: number of the joint among the groups; of a bushing its own
         ("thread", np.float64),  # FRICTION: ratio of force on the flanks of a screw to that along its axis
         ("function", np.int64),  # FORCE, TORQUE: function of time that it is multiplied by, -1: none
         *LAW.descr,
+        *TOUCH.descr,
     ]
 )
 
