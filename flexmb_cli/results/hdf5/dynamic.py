@@ -109,7 +109,7 @@ def element_layout(model: DynamicModel) -> Layout:
     joints = model.mechanism.joints
     coordinates = coordinate_names(joints, readable_names("joint", joints))
     layout = replace(found, axes=tuple(axes), series=tuple(series))
-    found = with_elements(layout, coordinates, element_names(model), model.elements.couplings)
+    found = with_elements(layout, coordinates, element_names(model), model.elements)
     return _with_composites(found, model.elements.composites)
 
 

@@ -96,7 +96,7 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
     found = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), tuple(_constants(mechanism)))
     if mechanism.elements:
         coordinates = coordinate_names(mechanism.joints, [joint.name for joint in mechanism.joints])
-        found = with_elements(found, coordinates, element_names(mechanism), mechanism.elements.couplings)
+        found = with_elements(found, coordinates, element_names(mechanism), mechanism.elements)
     return with_shapes(found, mechanism.shapes)
 
 

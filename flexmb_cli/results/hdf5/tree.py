@@ -99,8 +99,8 @@ def tree_layout(tree: Tree, points: list[str], reactions: bool) -> Layout:
         series += OF_CLOSURES.values()
     layout = Layout("dynamic", tree.time.rows, tuple(axes), tuple(series), tree_geometry(tree))
     if tree.elements:
-        names, couplings = list(names_of(tree.elements)), tree.elements.couplings
-        layout = with_elements(_with_drivers(layout, tree), (), names, couplings)
+        names = list(names_of(tree.elements))
+        layout = with_elements(_with_drivers(layout, tree), (), names, tree.elements)
     return with_shapes(layout, tree.shapes)
 
 
