@@ -13,9 +13,10 @@ import numpy as np
 
 from ._jit import kernel
 from .laws import COORDINATE, DAMPING, EFFORT, ENERGY, NO_LENGTH, NORMAL, POWER, SMALL, SPEED, STIFFNESS
-from .linalg.vec3 import cross, dot, inward, minus, outward, plus, scaled, store, triple
+from .linalg.vec3 import cross, dot, minus, plus, scaled, store, triple
 
 Triple = tuple[float, float, float]
+Axes = tuple[Triple, Triple, Triple]  # unit vectors of a body, in global axes
 CONTACT = 6  # code of the law; a test compares it with model.laws
 # Pairs of shapes: that of body i, and that of body j.
 PLANE_BALL, PLANE_RIM, CORES, BOX_BALL, CYLINDER_BALL = 0, 1, 2, 3, 4
@@ -35,17 +36,17 @@ def answer_contact(
     c: np.void,
     d: Triple,
     v: Triple,
-    axes_i: np.ndarray,
+    axes_i: Axes,
     w_i: Triple,
-    axes_j: np.ndarray,
+    axes_j: Axes,
     w_j: Triple,
     answer: np.ndarray,
 ) -> Triple:
     """Fill the answer and the fields `push` … `arm_j` of a contact; return the place less the point of i.
 
-    d, v: point of j less that of i and its rate, m; axes (9,); w: angular velocities; all in global axes.
+    d, v: point of j less that of i and its rate, m; axes: unit vectors; w: angular velocities; all in global axes.
     """
-    offset = outward(axes_j, triple(c["offset_j"], 0))
+    offset = _outward(axes_j, triple(c["offset_j"], 0))
     gap, n, arm = _nearest(c, plus(d, offset), axes_i, axes_j)
     arm_j = plus(offset, plus(arm, scaled(-c["radius_j"] - 0.5 * gap, n)))
     arm_i = plus(d, arm_j)
@@ -60,6 +61,12 @@ def answer_contact(
     answer[EFFORT], answer[POWER], answer[NORMAL] = N, (N - kept) * rate + lost, N
     store(scaled(N, triple(c["push"], 0)), answer, FORCE)
     return arm_i
+
+
+@kernel
+def _outward(axes: Axes, v: Triple) -> Triple:
+    """Return v, in the axes of a body, in global axes."""
+    return plus(plus(scaled(v[0], axes[0]), scaled(v[1], axes[1])), scaled(v[2], axes[2]))
 
 
 @kernel
@@ -115,25 +122,25 @@ def _across(n: Triple) -> Triple:
 
 
 @kernel
-def _nearest(c: np.void, d: Triple, axes_i: np.ndarray, axes_j: np.ndarray):
+def _nearest(c: np.void, d: Triple, axes_i: Axes, axes_j: Axes):
     """Gap, its unit normal from i to j, and the point of the core of j nearest to i less its point, m."""
     pair, radii, none = c["pair"], c["radius_i"] + c["radius_j"], (0.0, 0.0, 0.0)
-    a = outward(axes_i, triple(c["axis_i"], 0))
+    a = _outward(axes_i, triple(c["axis_i"], 0))
     if pair == PLANE_BALL:
         return dot(a, d) - radii, a, none
     if pair == PLANE_RIM:
-        axis = outward(axes_j, triple(c["axis_j"], 0))
+        axis = _outward(axes_j, triple(c["axis_j"], 0))
         down = minus(scaled(dot(a, axis), axis), a)
         length = math.sqrt(dot(down, down))
         arm = scaled(c["size"][0] / length if length > NO_LENGTH else 0.0, down)
         return dot(a, plus(d, arm)), a, arm
     if pair == BOX_BALL:
-        sd, n = _outside_box(c["size"], inward(axes_i, d))
-        return sd - radii, outward(axes_i, n), none
+        sd, n = _outside_box(c["size"], (dot(axes_i[0], d), dot(axes_i[1], d), dot(axes_i[2], d)))
+        return sd - radii, _outward(axes_i, n), none
     if pair == CYLINDER_BALL:
         sd, n = _outside_cylinder(a, c["size"][0], d)
         return sd - radii, n, none
-    b = outward(axes_j, triple(c["axis_j"], 0))
+    b = _outward(axes_j, triple(c["axis_j"], 0))
     s, t = _closest(a, b, d)
     arm = scaled(t, b)
     apart = plus(minus(d, scaled(s, a)), arm)

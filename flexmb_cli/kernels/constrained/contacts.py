@@ -20,10 +20,8 @@ def add_contact(geometry: Geometry, load: np.void, u: np.ndarray, answer: np.nda
         vector(geometry.relative_vectors[VECTOR, k], 0),
         vector(geometry.relative_vectors[RATE, k], 0),
     )
-    answer_contact(
-        load, d, v, _axes(geometry, b_i), _spin(geometry, b_i, u), _axes(geometry, b_j), _spin(geometry, b_j, u),
-        answer,
-    )  # fmt: skip
+    w_i, w_j = _spin(geometry, b_i, u), _spin(geometry, b_j, u)
+    answer_contact(load, d, v, _axes(geometry, b_i), w_i, _axes(geometry, b_j), w_j, answer)
     point_j = vector(geometry.relative_vectors[VECTOR, load["stroke"]], 0)
     store(plus(point_j, triple(load["arm_j"], 0)), answer, PLACE)
     N = answer[EFFORT]
@@ -38,8 +36,11 @@ def _body(geometry: Geometry, load: np.void, side: int) -> int:
 
 
 @kernel
-def _axes(geometry: Geometry, body: int) -> np.ndarray:
-    return geometry.axes[body].reshape(9) if body >= 0 else GLOBAL
+def _axes(geometry: Geometry, body: int) -> tuple[Triple, Triple, Triple]:
+    if body < 0:
+        return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+    a = geometry.axes[body]
+    return (a[0, 0], a[1, 0], a[2, 0]), (a[0, 1], a[1, 1], a[2, 1]), (a[0, 2], a[1, 2], a[2, 2])
 
 
 @kernel
@@ -88,5 +89,3 @@ def add_contact_slope(
     force = plus(force, scaled(by_speed * load["slope_across"] * dot(across, v), across))
     _push(geometry, load, force, (0.0, 0.0, 0.0), y)
 
-
-GLOBAL = np.eye(3).ravel()  # axes of the ground

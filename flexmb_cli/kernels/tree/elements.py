@@ -46,6 +46,11 @@ def answer_elements(
             _push_node(element["node_i"], inward(work[element["frame_i"]]["axes"], force), -1.0, coordinates)
 
 
+@part
+def _unit_vectors(s: np.void):
+    return column(s["axes"], 0), column(s["axes"], 1), column(s["axes"], 2)
+
+
 @kernel
 def _answer_contact(
     element: np.void, work: np.ndarray, q: np.ndarray, y: np.ndarray, answer: np.ndarray
@@ -55,8 +60,8 @@ def _answer_contact(
     start, start_velocity = _point(a, element["point_i"], element["node_i"], q, y)
     end, velocity = _point(b, element["point_j"], element["node_j"], q, y)
     d, v = minus(end, start), minus(velocity, start_velocity)
-    spins = triple(a["angular"], 0), triple(b["angular"], 0)
-    arm = answer_contact(element, d, v, a["axes"], spins[0], b["axes"], spins[1], answer)
+    w_i, w_j = triple(a["angular"], 0), triple(b["angular"], 0)
+    arm = answer_contact(element, d, v, _unit_vectors(a), w_i, _unit_vectors(b), w_j, answer)
     place = plus(start, arm)
     store(place, element["place"], 0)
     store(place, answer, PLACE)

@@ -11,7 +11,7 @@ import numpy as np
 from ...errors import Place
 from ..joint_elements import Coupling, JointDriver
 from ..joints import ANGLE
-from ..laws import OF_TIME, At, Element, Frames, Joint, Parameter
+from ..laws import OF_TIME, At, Element, Frames, Joint, Parameter, Touch
 from ..mechanism import GROUND, Vector
 from ..vectors import rotation_matrix
 from .functions import transformed
@@ -106,6 +106,9 @@ class Conversion(ABC):
                 return None
             values = item.since(where[2]).changed(self._from_start)
             return replace(item, measure=At(*where[:2]), values=values)
+        if isinstance(measure, Touch):
+            self.refusals.add(item, "contacts do not convert: shapes are in the axes of their bodies")
+            return None
         i, j = self.end(measure.i, measure.P_i), self.end(measure.j, measure.P_j)
         if i[0] == GROUND == j[0] or (isinstance(measure, Frames) and not self._is_like(item, i[0])):
             return None
