@@ -33,18 +33,11 @@ FREE, APART, TOUCHING = 0.0, 1.0, 2.0
 
 @kernel
 def answer_contact(
-    c: np.void,
-    d: Triple,
-    v: Triple,
-    axes_i: Axes,
-    w_i: Triple,
-    axes_j: Axes,
-    w_j: Triple,
-    answer: np.ndarray,
+    c: np.void, d: Triple, v: Triple, axes_i: Axes, w_i: Triple, axes_j: Axes, w_j: Triple, answer: np.ndarray
 ) -> Triple:
-    """Fill the answer and the fields `push` … `arm_j` of a contact; return the place less the point of i.
+    """Fill the answer (21,), and `normal` to `arm_j` of a contact; return the place less the point of i.
 
-    d, v: point of j less that of i and its rate, m; axes: unit vectors; w: angular velocities; all in global axes.
+    d, v: point of j less that of i, m, and its rate; w: angular velocities; all in global axes.
     """
     offset = _outward(axes_j, triple(c["offset_j"], 0))
     gap, n, arm = _nearest(c, plus(d, offset), axes_i, axes_j)
@@ -71,7 +64,7 @@ def _outward(axes: Axes, v: Triple) -> Triple:
 
 @kernel
 def _normal_force(c: np.ndarray, answer: np.ndarray):
-    """Normal force and the part of it that has a potential; fills slopes and energy."""
+    """Normal force by c (10,) and its part with a potential; fills slopes and energy of an answer (21,)."""
     depth, n, k = max(-answer[COORDINATE], 0.0), c[EXPONENT], c[RIGIDITY]
     if depth == 0.0 or answer[STATE] == APART:
         answer[STIFFNESS] = answer[DAMPING] = answer[ENERGY] = 0.0
@@ -105,7 +98,7 @@ def _resist(c: np.void, n: Triple, N: float, slip: Triple, w: Triple) -> float:
 
 @kernel
 def contact_friction(c: np.ndarray, v: float):
-    """μ(v)/v and dμ/dv at the sliding speed v >= 0 by the numbers of a contact law."""
+    """μ(v)/v and dμ/dv at the sliding speed v >= 0 by the numbers c (10,) of a contact law."""
     more = max(c[STATIC] - c[FRICTION], 0.0)
     fade, rise = math.exp(-((v / c[STRIBECK]) ** 2)), math.tanh(v / c[CREEP])
     mu = c[FRICTION] + more * fade
@@ -166,7 +159,7 @@ def _share(x: float, y: float):
 
 @kernel
 def _outside_box(size: np.ndarray, p: Triple):
-    """Distance of p from a box of half edges `size` about the origin, negative inside, and the normal."""
+    """Distance of p from a box of half edges size (3,) about 0, negative inside, and the normal."""
     x = minus(p, _clamped(size, p))
     length = math.sqrt(dot(x, x))
     if length > NO_LENGTH:

@@ -258,7 +258,7 @@ CONTACT = Law(
     "CONTACT",
     6,
     (
-        Parameter("stiffness", "normal force per depth^exponent, N/m^exponent, of each point of contact", 1, -1),
+        Parameter("stiffness", "normal force per depth^exponent of each point, N/m^exponent", 1, -1),
         Parameter("exponent", "power of the depth", default=1.0, above=0.5),
         Parameter("damping", "share of the force that a rate of 1 adds", 0, -1, 1, 0.0),
         Parameter("friction", "coefficient of sliding friction", default=0.0),

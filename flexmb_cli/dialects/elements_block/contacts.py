@@ -20,7 +20,7 @@ def touch_of(line: ElementLine, measures: Measures, ends: tuple[Any, ...]) -> To
     for key in wanted:
         if key not in given:
             message = f"{line.kind} needs {key}=; its shapes have {' and '.join(wanted)}"
-            measures.findings.error(line.subject, message, line.place, id="ELEMENTS-064")
+            measures.findings.error(line.subject, message, line.place, id="ELEMENTS-068")
     for key in given:
         if key not in wanted:
             message = f"{line.kind} has no {key}; its shapes have {' and '.join(wanted)}"
@@ -33,10 +33,13 @@ def touch_of(line: ElementLine, measures: Measures, ends: tuple[Any, ...]) -> To
         _check_size(line, measures, key, value)
     if len(measures.findings.faults) > before:
         return None
-    fields = {key.replace("from", "i").replace("to", "j"): value for key, value in shapes.items()}
+    fields: dict[str, Any] = {
+        key.replace("from", "i").replace("to", "j"): value for key, value in shapes.items()
+    }
     if normal := fields.pop("normal", None):
         fields["axis_i"] = tuple(x / math.hypot(*normal) for x in normal)
-    return Touch(*ends, first, second, **fields)
+    i, j, P_i, P_j = ends
+    return Touch(i, j, P_i, P_j, first, second, **fields)
 
 
 def _check_size(line: ElementLine, measures: Measures, key: str, value: Any) -> None:

@@ -23,9 +23,13 @@ FUNCTION_KINDS = ("table", "spline", "polynomial", "sine", "ramp", "step", "sum"
 POSITIONS = {"sine": ("mean", "amplitude", "omega", "phase")}
 POSITIONS |= dict.fromkeys(("ramp", "step"), ("start", "from", "end", "to"))
 # Keys of a contact's shapes: those of the first body, those of the second.
-OF_FIRST = {"plane": ("normal",), "sphere": ("radius_from",), "box": ("size_from",)}
+OF_FIRST: dict[str, tuple[str, ...]] = {
+    "plane": ("normal",),
+    "sphere": ("radius_from",),
+    "box": ("size_from",),
+}
 OF_FIRST |= dict.fromkeys(("capsule", "cylinder"), ("axis_from", "radius_from"))
-OF_SECOND = {"point": (), "sphere": ("radius_to",), "box": ("size_to",)}
+OF_SECOND: dict[str, tuple[str, ...]] = {"point": (), "sphere": ("radius_to",), "box": ("size_to",)}
 OF_SECOND |= dict.fromkeys(("capsule", "cylinder"), ("axis_to", "radius_to"))
 LINKS = {"revcyl": ("axis_from", "axis_to"), "revsph": ("axis_from", "length"), "sphsph": ("length",)}
 
@@ -65,15 +69,15 @@ _ENDS = (FROM._replace(needed=True), TO._replace(needed=True))
 _SHAPES = (
     Key("normal", "outward normal of the plane through `from`, axes of its body", VECTOR),
     *(
-        key
+        Key(f"{what}_{end}", meaning.format(end), kind, units=("m", "m"))
         for end in ("from", "to")
-        for key in (
-            Key(f"radius_{end}", f"radius of the shape at `{end}`", units=("m", "m")),
-            Key(f"axis_{end}", f"from `{end}` to the other end of its capsule or cylinder", VECTOR, units=("m", "m")),
-            Key(f"size_{end}", f"edges of the box about `{end}`, along the axes of its body", VECTOR, units=("m", "m")),
+        for what, meaning, kind in (
+            ("radius", "radius of the shape at `{}`", NUMBER),
+            ("axis", "from `{}` to the other end of its capsule or cylinder, axes of its body", VECTOR),
+            ("size", "edges of the box about `{}`, along the axes of its body", VECTOR),
         )
     ),
-)  # fmt: skip
+)
 _NAMES = {"function": "effort"}  # of parameters whose keys are called otherwise
 
 

@@ -14,12 +14,9 @@ Triple = tuple[float, float, float]
 
 @kernel
 def add_contact(geometry: Geometry, load: np.void, u: np.ndarray, answer: np.ndarray, f: np.ndarray) -> float:
-    """Add a contact at the speeds u (n,) to f (n,); returns the power of what stores no energy."""
+    """Add a contact, whose answer (21,) is filled, at the speeds u (n,) to f (n,); returns the power lost."""
     k, b_i, b_j = load["primitive"], _body(geometry, load, 1), _body(geometry, load, 0)
-    d, v = (
-        vector(geometry.relative_vectors[VECTOR, k], 0),
-        vector(geometry.relative_vectors[RATE, k], 0),
-    )
+    d, v = (vector(geometry.relative_vectors[VECTOR, k], 0), vector(geometry.relative_vectors[RATE, k], 0))
     w_i, w_j = _spin(geometry, b_i, u), _spin(geometry, b_j, u)
     answer_contact(load, d, v, _axes(geometry, b_i), w_i, _axes(geometry, b_j), w_j, answer)
     point_j = vector(geometry.relative_vectors[VECTOR, load["stroke"]], 0)
@@ -76,7 +73,9 @@ def add_contact_slope(
     x: np.ndarray,
     y: np.ndarray,
 ) -> None:
-    """y += (by_position K + by_speed D) x of a contact, where the body vectors have been moved by x."""
+    """y (n,) += (by_position K + by_speed D) x of a contact with an answer (21,), after body vectors have
+    been moved by x (n,).
+    """
     if answer[EFFORT] == 0.0:
         return
     v, n = vector(geometry.relative_vectors[RATE, load["primitive"]], 0), triple(load["normal"], 0)
@@ -88,4 +87,3 @@ def add_contact_slope(
     force = plus(force, scaled(by_speed * load["slope_along"] * dot(along, v), along))
     force = plus(force, scaled(by_speed * load["slope_across"] * dot(across, v), across))
     _push(geometry, load, force, (0.0, 0.0, 0.0), y)
-

@@ -28,8 +28,8 @@ from ..laws import (
 )
 from ..linalg.rotation import dot
 from .body_vectors import RATE, VECTOR, Geometry, add_vector_row, geometry_of, vector
-from .contacts import add_contact, add_contact_slope
 from .constraint_primitives import add_primitive_row, primitive_rates, primitive_value
+from .contacts import add_contact, add_contact_slope
 from .system import System, Work
 
 # The codes of model.arrays.records; a test compares them.

@@ -12,19 +12,7 @@ from typing import Any
 import numpy as np
 
 from .._jit import kernel
-from ..contact import (
-    APART,
-    CHANGED,
-    CONTACT,
-    END,
-    END_RATE,
-    FREE,
-    GAP,
-    GAP_RATE,
-    STATE,
-    TOUCHES,
-    TOUCHING,
-)
+from ..contact import APART, CHANGED, CONTACT, END, END_RATE, FREE, GAP, GAP_RATE, STATE, TOUCHES, TOUCHING
 from ..laws import COORDINATE, SPEED
 from .hermite import cubic
 
@@ -87,7 +75,7 @@ def contact_events(attempt: Callable[..., Any], elements: Callable[..., Any] | N
 
 @kernel
 def begin_step(records: np.ndarray, answers: np.ndarray, t: float) -> None:
-    """Decide by the gaps at the end of the last step, at t, which contacts touch in the next."""
+    """Decide by the gaps in answers (E, 21) at t, the end of the last step, which of records (E,) touch."""
     for k in range(records.shape[0]):
         if records[k]["shape"] != CONTACT:
             continue
@@ -105,7 +93,7 @@ def begin_step(records: np.ndarray, answers: np.ndarray, t: float) -> None:
 
 @kernel
 def end_step(records: np.ndarray, answers: np.ndarray) -> None:
-    """Keep the gaps at the end of a step."""
+    """Keep the gaps of records (E,) at the end of a step in their answers (E, 21)."""
     for k in range(records.shape[0]):
         if records[k]["shape"] == CONTACT:
             answers[k, END], answers[k, END_RATE] = answers[k, COORDINATE], answers[k, SPEED]
@@ -113,7 +101,10 @@ def end_step(records: np.ndarray, answers: np.ndarray) -> None:
 
 @kernel
 def first_change(records: np.ndarray, answers: np.ndarray, h: float):
-    """Return the first contact that changes within a step of length h, -1: none, and the share of the step."""
+    """Return the first of records (E,) with answers (E, 21) that changes within a step, and its share of h.
+
+    -1 and 2: none does.
+    """
     first, share = -1, 2.0
     for k in range(records.shape[0]):
         if records[k]["shape"] == CONTACT:
@@ -125,7 +116,7 @@ def first_change(records: np.ndarray, answers: np.ndarray, h: float):
 
 @kernel
 def _change(a: np.ndarray, h: float):
-    """Share of a step of length h after which a contact changes, 2: it does not."""
+    """Share of a step of length h after which a contact with an answer (21,) changes, 2: it does not."""
     sign = 1.0 if a[STATE] == APART else -1.0
     start, end = sign * a[GAP], sign * a[COORDINATE]
     leaving, arriving = sign * h * a[GAP_RATE], sign * h * a[SPEED]

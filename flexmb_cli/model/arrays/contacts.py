@@ -67,7 +67,7 @@ def loss_of(item: Element) -> float:
     A free collision of the speed v obeys H(b v) = H(-e b v), H(x) = x - log(1 + x) (Hunt and Crossley's law
     integrated over the approach and over the departure), whatever the exponent: b v depends on e alone.
     """
-    e, v = item["restitution"], item["speed"]
+    e, v = float(item["restitution"]), float(item["speed"])
     if e == 1.0:
         return float(item["damping"])
 

@@ -107,7 +107,8 @@ class Conversion(ABC):
             values = item.since(where[2]).changed(self._from_start)
             return replace(item, measure=At(*where[:2]), values=values)
         if isinstance(measure, Touch):
-            self.refusals.add(item, "contacts do not convert: shapes are in the axes of their bodies")
+            message = "contacts do not convert: their shapes are given in the axes of bodies"
+            self.refusals.add(item, message, id="MODEL-023")
             return None
         i, j = self.end(measure.i, measure.P_i), self.end(measure.j, measure.P_j)
         if i[0] == GROUND == j[0] or (isinstance(measure, Frames) and not self._is_like(item, i[0])):

@@ -159,7 +159,11 @@ JOINT_SERIES = {
 ELEMENT_SERIES = {
     f"element_{name}": Series(f"element/{name}", (ELEMENT,), units, long_name)
     for name, units, long_name in (
-        ("coordinate", "rad or m", "length, stroke, angle or gap; 0 of friction, see the coordinate of its joint"),
+        (
+            "coordinate",
+            "rad or m",
+            "length, stroke, angle or gap; 0 of friction, see the coordinate of its joint",
+        ),
         ("rate", "rad/s or m/s", "its rate; of friction the sliding speed"),
         ("effort", "N m or N", "force or torque towards larger coordinates"),
         ("power", "W", "power of what the element dissipates (negative) or drives"),

@@ -1,4 +1,4 @@
-"""Contacts of shapes in decks of all dialects, against closed forms and the problems of `reference/motion`."""
+"""Contacts of shapes in decks of all dialects, against closed forms and problems of `reference/motion`."""
 
 import math
 from types import SimpleNamespace
@@ -69,9 +69,7 @@ def ball(r, v, w=(0.0, 0.0, 0.0), g=(0.0, 0.0, -9.81), m=0.5, radius=0.05, toler
 
 
 def on_plane(law, radius=0.05, normal="(0,0,1)"):
-    return (
-        f"  CONTACT floor plane-sphere from=GROUND to=BALL normal={normal} radius_to={radius}\n    {law}\n"
-    )
+    return f"  CONTACT floor plane-sphere from=GROUND to=BALL normal={normal} radius_to={radius}\n    {law}\n"
 
 
 def test_codes_are_those_of_the_kernels():
@@ -137,14 +135,19 @@ def test_draw_shot_slides_returns_and_rolls():
 
 @pytest.mark.parametrize(
     ("slope", "place", "speed", "spin"),
-    [(20.0, 1.11840586868, 2.23681173735, 11.1840586867), (50.0, 2.81158602585, 5.62317205169, 18.9172393531)],
+    [
+        (20.0, 1.11840586868, 2.23681173735, 11.1840586867),
+        (50.0, 2.81158602585, 5.62317205169, 18.9172393531),
+    ],
 )
 def test_cylinder_on_a_slope_rolls_or_slips(slope, place, speed, spin):
     """`reference/motion`, friction-rolling-cylinder, at t = 1: a sphere with the cylinder's inertia."""
     a, m, radius = math.radians(slope), 3.0, 0.2
     depth = m * 9.81 * math.cos(a) / 1e6
     g = (9.81 * math.sin(a), 0.0, -9.81 * math.cos(a))
-    roller = ball((0.0, 0.0, radius - depth), (0.0, 0.0, 0.0), g=g, m=m, J=m * radius**2 / 2.0, tolerance=1e-7)
+    roller = ball(
+        (0.0, 0.0, radius - depth), (0.0, 0.0, 0.0), g=g, m=m, J=m * radius**2 / 2.0, tolerance=1e-7
+    )
     law = "stiffness=1e6 damping=0.1 friction=0.3 creep=1e-3"
     rows = young(roller, 1, 0.5, on_plane(law, radius), IMPLICIT)
     assert rows.position[-1, 1, 0] == pytest.approx(place, abs=0.002)
