@@ -9,6 +9,7 @@ An `Element` is a measure with a law: x, the rate of x and an effort that drives
 | `Line(i, j, P_i, P_j)` | the distance of two points, m |
 | `Frames(i, j, P_i, P_j)` | six: displacements of P_j and turns of its frame, in the axes of body i |
 | `Joint(joint)` | none: friction of a joint |
+| `Touch(i, j, P_i, P_j, …)` | the gap of two shapes, negative where they overlap |
 
 A `Law` has a word, the code of its branch in `kernels.laws`, `parameters`, and the types of `measures` that
 it can have.  `Element.values` are those of its parameters in their order: a float, three floats of a VECTOR,
@@ -115,6 +116,48 @@ class Joint(NamedTuple):
     """A joint whose parts slide on each other."""
 
     joint: int  # number, from 0
+
+
+class Touch(NamedTuple):
+    """Shapes of two bodies that may touch; body -1 is the ground.
+
+    Axes are those of the bodies.  A capsule or cylinder goes from its point to the end of its axis, a box is
+    about its point.
+    """
+
+    i: int  # first body, -1: ground
+    j: int  # second body, -1: ground
+    P_i: Any  # point of the first shape: (3,) body axes, m, or a node
+    P_j: Any  # point of the second
+    first: str  # shape of the first body, see PAIRS
+    second: str  # shape of the second body
+    axis_i: Any = (0.0, 0.0, 0.0)  # of a plane its unit normal, m
+    axis_j: Any = (0.0, 0.0, 0.0)  # m
+    radius_i: float = 0.0  # m
+    radius_j: float = 0.0  # m
+    size_i: Any = (0.0, 0.0, 0.0)  # edges of a box, m
+    size_j: Any = (0.0, 0.0, 0.0)  # m
+
+    @property
+    def parts(self) -> int:
+        """Return how many points of the second shape may touch the first."""
+        return PARTS_ON_PLANES.get(self.second, 1) if self.first == "plane" else 1
+
+
+# Pairs of shapes that may touch, that of body i before that of body j.
+PAIRS = (
+    "plane-point",
+    "plane-sphere",
+    "plane-capsule",
+    "plane-cylinder",
+    "plane-box",
+    "sphere-sphere",
+    "capsule-sphere",
+    "capsule-capsule",
+    "cylinder-sphere",
+    "box-sphere",
+)
+PARTS_ON_PLANES = {"capsule": 2, "cylinder": 2, "box": 8}
 
 
 def is_angle(coordinate: str) -> bool:
@@ -230,7 +273,28 @@ FRICTION = Law(
     ("dynamic", "static"),
     "dry friction in a joint, from its reaction force",
 )
-LAWS = (SPRING, CABLE, STOP, BUSHING, MOTOR, FRICTION)
+# Hunt and Crossley's force at the depth d of two shapes, and friction by it, as in FRICTION.
+CONTACT = Law(
+    "CONTACT",
+    6,
+    (
+        Parameter("stiffness", "normal force per depth^exponent of each point, N/m^exponent", 1, -1),
+        Parameter("exponent", "power of the depth", default=1.0, above=0.5),
+        Parameter("damping", "share of the force that a rate of 1 adds", 0, -1, 1, 0.0),
+        Parameter("friction", "coefficient of sliding friction", default=0.0),
+        Parameter("static", "coefficient of static friction, where it is larger", default=0.0),
+        Parameter("stribeck", "speed in which one fades into the other", 0, 1, -1, 1e-2, above=LEAST_SPEED),
+        Parameter("creep", "speed in which friction rises from 0", 0, 1, -1, 1e-3, above=LEAST_SPEED),
+        Parameter("rolling", "lever of the normal force that resists rolling", 0, 1, 0, 0.0),
+        Parameter("restitution", "ratio of speeds after and before a free collision at `speed`", default=1.0,
+                  above=0.0),
+        Parameter("speed", "speed of approach at which `restitution` holds", 0, 1, -1, 0.0),
+    ),
+    (Touch,),
+    ("stiffness",),
+    "contact of two shapes, with friction",
+)  # fmt: skip
+LAWS = (SPRING, CABLE, STOP, BUSHING, MOTOR, FRICTION, CONTACT)
 PARTS_OF_FRAMES = (
     ("x", LENGTH),
     ("y", LENGTH),
@@ -247,7 +311,7 @@ class Element:
 
     name: str
     law: Law
-    measure: Any  # At, Cam, Line, Frames or Joint
+    measure: Any  # At, Cam, Line, Frames, Joint or Touch
     values: tuple[Any, ...]
     place: Place | None = None
 
@@ -283,6 +347,8 @@ class Element:
         """Return its names in results, and the unit of each coordinate, "m" or "rad"."""
         if isinstance(self.measure, Frames):
             return [(f"{self.name} {part}", unit) for part, unit in PARTS_OF_FRAMES]
+        if isinstance(self.measure, Touch) and self.measure.parts > 1:
+            return [(f"{self.name} {k}", LENGTH) for k in range(1, self.measure.parts + 1)]
         return [(self.name, TURN if self.turning else LENGTH)]
 
     def since(self, start: float) -> "Element":

@@ -22,8 +22,10 @@ from ...model.laws import (
     Frames,
     Joint,
     Line,
+    Touch,
     motors_last,
 )
+from .contacts import touch_of
 from .functions import Functions
 from .line import ElementLine
 from .measures import Measures
@@ -126,6 +128,8 @@ class BlockBuilder:
             at = self.measures.at(line)
             return at and At(*at)
         ends = self.measures.ends(line)
+        if Touch in law.measures:
+            return touch_of(line, self.measures, ends) if ends else None
         return ends and (Frames if Frames in law.measures else Line)(*ends)
 
     def _check(self, line: ElementLine, law: Any) -> None:

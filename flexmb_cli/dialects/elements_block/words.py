@@ -7,7 +7,7 @@ grammar of editors follow from this table.
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from ...model.laws import FUNCTIONS, LAWS, REQUIRED, VECTOR, At, Joint, Law, Parameter
+from ...model.laws import FUNCTIONS, LAWS, PAIRS, REQUIRED, VECTOR, At, Joint, Law, Parameter, Touch
 
 # What the text behind `key=` is; numbers and vectors as in `model.laws`.
 NUMBER, WHOLE, FUNCTION, COORDINATE, END, FILE = (
@@ -22,6 +22,15 @@ FUNCTION_KINDS = ("table", "spline", "polynomial", "sine", "ramp", "step", "sum"
 # Keys of the numbers behind the name of a function that may stand by their places, too.
 POSITIONS = {"sine": ("mean", "amplitude", "omega", "phase")}
 POSITIONS |= dict.fromkeys(("ramp", "step"), ("start", "from", "end", "to"))
+# Keys of a contact's shapes: those of the first body, those of the second.
+OF_FIRST: dict[str, tuple[str, ...]] = {
+    "plane": ("normal",),
+    "sphere": ("radius_from",),
+    "box": ("size_from",),
+}
+OF_FIRST |= dict.fromkeys(("capsule", "cylinder"), ("axis_from", "radius_from"))
+OF_SECOND: dict[str, tuple[str, ...]] = {"point": (), "sphere": ("radius_to",), "box": ("size_to",)}
+OF_SECOND |= dict.fromkeys(("capsule", "cylinder"), ("axis_to", "radius_to"))
 LINKS = {"revcyl": ("axis_from", "axis_to"), "revsph": ("axis_from", "length"), "sphsph": ("length",)}
 
 
@@ -57,6 +66,18 @@ FROM = Key("from", "first end: body(x,y,z) or body:node, body 0 being the ground
 TO = Key("to", "second end: body(x,y,z) or body:node", END)
 JOINT = Key("joint", "number of the joint or hinge", WHOLE, needed=True)
 _ENDS = (FROM._replace(needed=True), TO._replace(needed=True))
+_SHAPES = (
+    Key("normal", "outward normal of the plane through `from`, axes of its body", VECTOR),
+    *(
+        Key(f"{what}_{end}", meaning.format(end), kind, units=("m", "m"))
+        for end in ("from", "to")
+        for what, meaning, kind in (
+            ("radius", "radius of the shape at `{}`", NUMBER),
+            ("axis", "from `{}` to the other end of its capsule or cylinder, axes of its body", VECTOR),
+            ("size", "edges of the box about `{}`, along the axes of its body", VECTOR),
+        )
+    ),
+)
 _NAMES = {"function": "effort"}  # of parameters whose keys are called otherwise
 
 
@@ -67,6 +88,8 @@ def key_of(parameter: Parameter) -> str:
 
 def _of_law(law: Law) -> BlockWord:
     """Return the word of a force law: what it measures, and its parameters."""
+    if Touch in law.measures:
+        return BlockWord(law.word, law.meaning, (*_ENDS, *_SHAPES, *_parameters(law)), kinds=PAIRS, law=law)
     at, line, joint = At in law.measures, set(law.measures) - {At, Joint}, Joint in law.measures
     measures = (JOINT,) if joint else (AT, FROM, TO) if at and line else (AT,) if at else (FROM, TO)
     both = at and bool(line)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from .._jit import kernel
+from ..contact import CONTACT
 from ..laws import (
     COORDINATE,
     DAMPING,
@@ -28,6 +29,7 @@ from ..laws import (
 from ..linalg.rotation import dot
 from .body_vectors import RATE, VECTOR, Geometry, add_vector_row, geometry_of, vector
 from .constraint_primitives import add_chain_row, add_primitive_row, chain_rates, chain_value, primitive_rates
+from .contacts import add_contact, add_contact_slope
 from .system import System, Work
 
 # The codes of model.arrays.records; a test compares them.
@@ -35,9 +37,11 @@ ELEMENT, FRICTION = 5, 6
 
 
 @kernel
-def add_element(system: System, work: Work, k: int, t: float, f: np.ndarray) -> float:
-    """Add element k to f (n,); returns the power of what stores no energy."""
+def add_element(system: System, work: Work, k: int, u: np.ndarray, t: float, f: np.ndarray) -> float:
+    """Add element k at the speeds u (n,) to f (n,); returns the power of what stores no energy."""
     load, answer = system.loads[k], work.responses[k]
+    if load["shape"] == CONTACT:
+        return add_contact(geometry_of(system, work), load, u, answer, f)
     directed = _fill_coordinate(system, work, load, answer)
     effort = answer_law(load, system.functions, system.knots, t, directed, answer)
     if not directed:
@@ -103,11 +107,14 @@ def add_unit_friction(system: System, work: Work, k: int, f: np.ndarray) -> None
 
 @kernel
 def add_element_slope(
-    system: System, work: Work, k: int, by_position: float, by_speed: float, y: np.ndarray
+    system: System, work: Work, k: int, by_position: float, by_speed: float, x: np.ndarray, y: np.ndarray
 ) -> None:
     """y += (by_position K + by_speed D) x of element k, where the body vectors have been moved by x."""
     load, answer, geometry = system.loads[k], work.responses[k], geometry_of(system, work)
     r = load["c"][RADIUS]
+    if load["shape"] == CONTACT:
+        add_contact_slope(geometry, load, answer, by_position, by_speed, x, y)
+        return
     amount = by_position * answer[STIFFNESS] + by_speed * answer[DAMPING]
     if load["kind"] == FRICTION:
         if load["primitive"] >= 0:

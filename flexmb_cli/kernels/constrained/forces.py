@@ -34,7 +34,7 @@ def add_applied_forces(system: System, work: Work, u: np.ndarray, t: float, f: n
     for k in range(system.loads.shape[0]):
         load = system.loads[k]
         if load["kind"] == ELEMENT:
-            power += add_element(system, work, k, t, f)
+            power += add_element(system, work, k, u, t, f)
         elif load["kind"] < ELEMENT:
             factor = 1.0
             if load["function"] >= 0:
@@ -100,7 +100,7 @@ def add_stiff(
         move_vectors(geometry_of(system, work), x)
     for k in range(system.loads.shape[0]):
         if system.loads[k]["kind"] >= ELEMENT:
-            add_element_slope(system, work, k, by_position, by_speed, y)
+            add_element_slope(system, work, k, by_position, by_speed, x, y)
 
 
 @part

@@ -11,6 +11,8 @@ import numpy as np
 
 from ...memory import paged_zeros
 from .._jit import plain
+from ..contact import CONTACT, CONTACT_COLUMNS
+from ..laws import ANSWER_COLUMNS
 from ..linalg.rank_revealing_lu import Factors
 
 
@@ -54,7 +56,9 @@ class Work(NamedTuple):
     rank: np.ndarray  # (1,) number of independent equations in the order in use
     quality: np.ndarray  # (1,) of the order in use, no unit, see `rank_revealing_lu.factorise`
     pivots: np.ndarray  # (m,) scaled, at the end of the last step, see `singular_ahead`
-    responses: np.ndarray  # (loads, 8) of springs and elements, columns and SI units as in `elements`
+    responses: (
+        np.ndarray
+    )  # (loads, 8; 21 with contacts) of elements, columns and SI units as in `laws`, `contact`
     columns: np.ndarray  # (m, 1 + c) number of places of a row of the Jacobian not zero, and these
     entries: np.ndarray  # (m n,) places of the factors, and
     ends: np.ndarray  # (m, 4) places where a row of them begins and ends, see `sparse_rows`
@@ -82,9 +86,15 @@ def make_work(system: System, angles: int) -> Work:
         paged_zeros((n, n)), paged_zeros((n, n)), np.zeros((bodies, 6, 6)), np.zeros(modal),
         np.zeros((3, system.body_vectors.shape[0], 3)), np.zeros((3, system.primitives.shape[0], 2, 3)),
         np.zeros(angles), np.zeros((6, n + bodies)), np.zeros(1, np.int64), np.ones(1), np.zeros(m),
-        np.zeros((system.loads.shape[0], 8)), columns, paged_zeros((m * n,), np.int64),
+        np.zeros((system.loads.shape[0], _columns_of_answers(system))), columns,
+        paged_zeros((m * n,), np.int64),
         np.zeros((m, 4), np.int64), np.zeros(m),
     )  # fmt: skip
+
+
+@plain
+def _columns_of_answers(system: System) -> int:
+    return CONTACT_COLUMNS if np.any(system.loads["shape"] == CONTACT) else ANSWER_COLUMNS
 
 
 @plain

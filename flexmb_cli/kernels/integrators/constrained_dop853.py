@@ -25,6 +25,7 @@ from .clock import BEGIN, READY, STEP_VANISHED, leads_over, new_clock
 from .constrained_equations import (
     IN_DOUBT,
     code_of_gap,
+    elements_of,
     fill_doubtful,
     note_gap,
     projected_slope,
@@ -206,7 +207,7 @@ def _place_row(integration: Integration, t: float):
     return x
 
 
-_advance = dop853(Equations(slope, _normalise, _finish, _watch, _close, _fill_row))
+_advance = dop853(Equations(slope, _normalise, _finish, _watch, _close, _fill_row, elements_of))
 
 
 @kernel

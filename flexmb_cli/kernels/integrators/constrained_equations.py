@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._jit import allocating, kernel
+from .._jit import allocating, kernel, plain
 from ..constrained.accelerations import accelerate, factorise_at
 from ..constrained.angle_unwrapping import EXPECTED, NEW, OLD
 from ..constrained.doubtful_row import fill_doubtful_row
@@ -240,3 +240,9 @@ def fill_doubtful(
     fill_doubtful_row(system, work, integration.z, place, t, clock["rtol"], report, row)
     clock["fault"] = SOLVED
     clock["row"] += 1
+
+
+@plain
+def elements_of(system: System, work: Work) -> tuple[np.ndarray, np.ndarray]:
+    """Records of elements and their answers: see `time_loop.Method`."""
+    return system.loads, work.responses

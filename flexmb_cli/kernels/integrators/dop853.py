@@ -49,13 +49,14 @@ class Equations(NamedTuple):
     watch: Callable  # (integration, *arrays): look at the accepted step, for events; a code
     close: Callable  # (integration, *arrays): bring its end onto loops, fill slopes[0] of the next; a code
     fill_row: Callable  # (integration, t, report, *arrays): see `Method`
+    elements: Callable | None = None  # (*arrays): see `Method`
 
 
 def dop853(equations: Equations) -> Callable:
     """Return the kernel of `time_loop` that integrates such equations."""
-    slope, normalise, finish, watch, close, fill_row = equations
+    slope, normalise, finish, watch, close, fill_row, elements = equations
     attempt, accept = _attempts(slope, normalise, finish), _acceptance(slope, watch, close)
-    return time_loop(Method(_length, attempt, accept, reject, fill_row))
+    return time_loop(Method(_length, attempt, accept, reject, fill_row, elements))
 
 
 def _attempts(slope: Callable[..., Any], normalise: Callable[..., Any], finish: Callable[..., Any]):

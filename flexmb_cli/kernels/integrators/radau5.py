@@ -31,6 +31,7 @@ from .clock import BEGIN, READY, STEP_VANISHED, laid_out, new_clock
 from .constrained_equations import (
     add_works,
     code_of_gap,
+    elements_of,
     fill_doubtful,
     first_step,
     interpolate_angles,
@@ -382,7 +383,7 @@ def _fill_row(integration: RadauIntegration, t: float, report: Report, system: S
     return READY
 
 
-_advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row))
+_advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row, elements_of))
 
 
 @kernel

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from .._jit import kernel
 from .clock import AT_STOP, PAUSED, READY, ROWS_FULL, SMALLEST_STEP, STEP_SHORT, STEP_VANISHED
+from .contact_events import contact_events
 
 # Of the longest step.  Where two motions cross, equations that are 1e-16 off lead from one to the other in
 # some 1e-8 s: steps so short follow that blow, and the speeds jump.
@@ -31,6 +32,8 @@ class Method(NamedTuple):
     reject: Callable
     # (integration, t, report, *arrays): fill a report row at a time up to the state; a code
     fill_row: Callable
+    # (*arrays): records of elements, and their answers, whose contacts end steps; None: no step ends there
+    elements: Callable | None = None
 
 
 def time_loop(method: Method, same: float = 0.0) -> Callable:
@@ -64,7 +67,8 @@ def time_loop(method: Method, same: float = 0.0) -> Callable:
 
 
 def _steps(method: Method):
-    length, attempt, accept, reject, _ = method
+    length, attempt, accept, reject, _, elements = method
+    begin, land = contact_events(attempt, elements)
 
     @kernel
     def take_step(integration: Any, spent: int, *arrays: Any):
@@ -73,6 +77,7 @@ def _steps(method: Method):
         The tries pause when the evaluations of the clock reach `spent`, and the next call continues.
         """
         clock = integration.clock[0]
+        begin(integration, *arrays)
         while True:
             h = length(integration, *arrays)
             # `not >` refuses a nan.
@@ -84,7 +89,12 @@ def _steps(method: Method):
             clock["length"] = h
             factor = attempt(integration, h, *arrays)
             if factor > 0.0:
-                return accept(integration, factor, *arrays)
+                factor = land(integration, factor, *arrays)
+            if factor > 0.0:
+                landed, code = clock["length"] < h, accept(integration, factor, *arrays)
+                if landed and clock["rejected"] == 0:
+                    clock["step"] = max(clock["step"], h)
+                return code
             if factor == 0.0:
                 return STEP_VANISHED
             reject(integration, h, -factor, *arrays)

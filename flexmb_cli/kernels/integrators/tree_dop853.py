@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import kernel, plain
 from ..linalg.number_rows import copy
 from ..tree.kane import SOLVED
 from ..tree.motion import derivative, derivative_in_body_axes, normalise_attitudes, turn_speeds
@@ -191,7 +191,15 @@ def observe_trial(
     return READY
 
 
-_advance = dop853(Equations(_slope, _normalise, _finish, _watch, _close, _fill_row))
+@plain
+def elements_of_tree(
+    tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Records of elements and their answers: see `Method`."""
+    return tree.elements, tree.answers
+
+
+_advance = dop853(Equations(_slope, _normalise, _finish, _watch, _close, _fill_row, elements_of_tree))
 
 
 @kernel

@@ -7,9 +7,9 @@ import numpy as np
 from .._jit import allocating, kernel
 from ..constrained.dry_friction import fill_feedback
 from ..laws import DAMPING, RADIUS, STIFFNESS
-from ..linalg.vec3 import cross, inward, minus, plus, scaled, triple
+from ..linalg.vec3 import cross, inward, minus, plus, scaled, store, triple
 from .composite_mass import add_generalised_forces
-from .elements import ABOUT, IN_COORDINATE, answer_elements
+from .elements import ABOUT, BETWEEN, IN_COORDINATE, answer_elements
 from .friction import answer_frictions
 from .motion import parts
 
@@ -26,7 +26,9 @@ def set_element_rows(
     rows: np.ndarray,
     slopes: np.ndarray,
 ) -> None:
-    """Fill rows (E + m, NS) and slopes (E + m, 2) for frames placed at the state z.
+    """Fill rows (E + m + 2 C, NS) and slopes (E + m + 2 C, 2) for frames placed at the state z.
+
+    Behind elements and frictions stand two rows of each contact, along and across its sliding.
 
     The slopes of friction have the feedback of its own normal force, as it was found last.
     """
@@ -35,7 +37,8 @@ def set_element_rows(
     answer_elements(tree, work, 0.0, q, y, coordinates)
     answer_frictions(tree, y)
     rows.fill(0.0)
-    for e in range(rows.shape[0]):
+    sliding = tree.answers.shape[0]
+    for e in range(sliding):
         k = e - tree.elements.shape[0]
         slopes[e, 0], slopes[e, 1] = max(tree.answers[e, STIFFNESS], 0.0), max(tree.answers[e, DAMPING], 0.0)
         if k >= 0:
@@ -46,9 +49,13 @@ def set_element_rows(
             if tree.elements[e]["curve"] >= 0:
                 rows[e, tree.elements[e]["cam"]] -= tree.elements[e]["slope"]
         else:
+            if tree.elements[e]["measure"] == BETWEEN:
+                _set_sliding(tree, work, coordinates, tree.elements[e], sliding, rows, slopes)
+                sliding += 2
             _set_row(tree, work, coordinates, tree.elements[e], rows[e])
-        for m in range(rows.shape[1]):
-            if tree.given[m]:
+    for m in range(rows.shape[1]):
+        if tree.given[m]:
+            for e in range(rows.shape[0]):
                 rows[e, m] = 0.0
     if tree.normals.shape[0] > 0:
         _take_feedback(tree, slopes)
@@ -61,6 +68,28 @@ def _take_feedback(tree: "TreeArrays", slopes: np.ndarray) -> None:
     fill_feedback(tree.joint_forces, tree.normals, feedback)
     for k in range(feedback.shape[0]):
         slopes[tree.elements.shape[0] + k, 1] *= feedback[k]
+
+
+@kernel
+def _set_sliding(
+    tree: "TreeArrays",
+    work: np.ndarray,
+    coordinates: np.ndarray,
+    element: np.void,
+    first: int,
+    rows: np.ndarray,
+    slopes: np.ndarray,
+) -> None:
+    """Fill two rows of a contact; its unit force then is the normal without friction."""
+    normal, along = triple(element["normal"], 0), triple(element["along"], 0)
+    store((0.0, 0.0, 0.0), element["torque"], 0)
+    store(along, element["force"], 0)
+    _set_row(tree, work, coordinates, element, rows[first])
+    store(cross(normal, along), element["force"], 0)
+    _set_row(tree, work, coordinates, element, rows[first + 1])
+    store(normal, element["force"], 0)
+    slopes[first, 0], slopes[first, 1] = 0.0, element["slope_along"]
+    slopes[first + 1, 0], slopes[first + 1, 1] = 0.0, element["slope_across"]
 
 
 @kernel

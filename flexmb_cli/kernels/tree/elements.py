@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._jit import part
+from .._jit import kernel, part
 from ..constrained.time_functions import function_values
+from ..contact import PLACE, answer_contact
 from ..laws import COORDINATE, EFFORT, ENERGY, NO_LENGTH, POWER, SPEED, answer_law
 from ..linalg.vec3 import accumulate, column, cross, dot, inward, minus, outward, plus, scaled, store, triple
 from .kinematics import _along_axes
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from ...model.arrays.tree import TreeArrays
 
 # The codes of model.arrays.tree_elements; a test compares them.
-IN_COORDINATE, IN_LINE, ALONG, ABOUT = 0, 1, 2, 3
+IN_COORDINATE, IN_LINE, ALONG, ABOUT, BETWEEN = 0, 1, 2, 3, 4
 
 
 @part
@@ -39,9 +40,12 @@ def answer_elements(
                 element["slope"] = slope
                 answer[COORDINATE] -= value
                 answer[SPEED] -= slope * y[cam]
-        else:
+        elif element["measure"] != BETWEEN:
             directed = _measure(element, work, q, y, answer)
-        effort = answer_law(element, tree.curves, tree.knots, min(t, element["until"]), directed, answer)
+        if element["measure"] == BETWEEN:
+            effort = _answer_contact(element, work, q, y, answer)
+        else:
+            effort = answer_law(element, tree.curves, tree.knots, min(t, element["until"]), directed, answer)
         if element["measure"] == IN_COORDINATE:
             coordinates[element["coordinate"]]["effort"] += effort
             if element["curve"] >= 0:
@@ -50,6 +54,30 @@ def answer_elements(
             force = scaled(effort, triple(element["force"], 0))
             _push_node(element["node_j"], inward(work[element["frame_j"]]["axes"], force), 1.0, coordinates)
             _push_node(element["node_i"], inward(work[element["frame_i"]]["axes"], force), -1.0, coordinates)
+
+
+@part
+def _unit_vectors(s: np.void):
+    return column(s["axes"], 0), column(s["axes"], 1), column(s["axes"], 2)
+
+
+@kernel
+def _answer_contact(
+    element: np.void, work: np.ndarray, q: np.ndarray, y: np.ndarray, answer: np.ndarray
+) -> float:
+    """Answer for a contact, and fill its unit force; returns the normal force."""
+    a, b = work[element["frame_i"]], work[element["frame_j"]]
+    start, start_velocity = _point(a, element["point_i"], element["node_i"], q, y)
+    end, velocity = _point(b, element["point_j"], element["node_j"], q, y)
+    d, v = minus(end, start), minus(velocity, start_velocity)
+    w_i, w_j = triple(a["angular"], 0), triple(b["angular"], 0)
+    arm = answer_contact(element, d, v, _unit_vectors(a), w_i, _unit_vectors(b), w_j, answer)
+    place = plus(start, arm)
+    store(place, element["place"], 0)
+    store(place, answer, PLACE)
+    store(triple(element["push"], 0), element["force"], 0)
+    store(triple(element["roll"], 0), element["torque"], 0)
+    return answer[EFFORT]
 
 
 @part

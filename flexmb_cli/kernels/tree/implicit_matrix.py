@@ -39,8 +39,8 @@ class Stiff(NamedTuple):
     jacobian: np.ndarray  # (R, NS) J
     inverse_jacobian: np.ndarray  # (R, NS) rows of (b + f D + f² K)^-1 Jᵀ
     schur: np.ndarray  # (R, R) J times these
-    element_rows: np.ndarray  # (E + m, NS) what coordinates feel of a unit effort, 1, m
-    element_slopes: np.ndarray  # (E + m, 2) -dF/dx and -dF/dv, N/m, N s/m, or of torques and turns
+    element_rows: np.ndarray  # (E + m + 2 C, NS) what coordinates feel of a unit effort, 1, m
+    element_slopes: np.ndarray  # (E + m + 2 C, 2) -dF/dx and -dF/dv, N/m, N s/m, or of torques and turns
 
 
 def stiff_work(closures: np.ndarray, speeds: int, elements: int) -> Stiff:

@@ -13,9 +13,10 @@ import numpy as np
 from ..flexible_mechanism import NodePoint, PointJoint
 from ..joint_elements import COORDINATES_OF, JointElements
 from ..joints import ANGLE, BY_NAME, PITCH, STROKE
-from ..laws import FRICTION, SPRING, At, Cam, Element, Frames, Line, is_angle
+from ..laws import FRICTION, SPRING, At, Cam, Element, Frames, Line, Touch, is_angle
 from ..time_functions import MotionFunction
 from .constraint_table import PrimitiveTable
+from .contacts import fill_contact
 from .laws import fill_bushing, fill_law
 from .node_joints import JointVectors
 from .records import ELEMENT, LOAD, NONE, blank_load, blank_primitive, line_primitive
@@ -147,6 +148,8 @@ class ElementTable:
         if isinstance(item.measure, Frames):
             self._bushings += 1
             return self._bushing(item, self._bushings - 1)
+        if isinstance(item.measure, Touch):
+            return self._contact(item, item.measure)
         record = self._line(item.measure) if isinstance(item.measure, Line) else self._at(item.measure)
         return fill_law(record, item.law, item.values, self.table)
 
@@ -175,6 +178,15 @@ class ElementTable:
         record = blank_load(ELEMENT)
         record["in_line"], record["primitive"] = 1, self.table.spring(line_primitive(head, tail))
         return record
+
+    def _contact(self, item: Element, ends: Touch) -> Any:
+        """A load for each point that may touch."""
+        head, tail = self._end(ends.j, ends.P_j), self._end(ends.i, ends.P_i)
+        records = np.repeat(blank_load(ELEMENT), ends.parts)
+        records["primitive"] = self.table.spring(line_primitive(head, tail))
+        origin = self.table.body_vector(NONE, np.zeros(3))
+        records["stroke"] = self.table.spring(line_primitive(head, origin))
+        return fill_contact(records, item)
 
     def _bushing(self, item: Element, number: int) -> Any:
         """Six loads, along and about the axes of body i."""

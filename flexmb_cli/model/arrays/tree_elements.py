@@ -9,22 +9,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..laws import FRICTION, At, Cam, Frames
+from ..laws import FRICTION, At, Cam, Frames, Touch
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
+from .contacts import columns_of_answers, fill_contact
 from .function_table import FunctionTable
 from .laws import fill_bushing, fill_law
-from .records import LAW
+from .records import LAW, TOUCH
 
 if TYPE_CHECKING:
     from ..flexible_mechanism import NodePoint
 
 # What an element measures.
-IN_COORDINATE, IN_LINE, ALONG, ABOUT = 0, 1, 2, 3
+IN_COORDINATE, IN_LINE, ALONG, ABOUT, BETWEEN = 0, 1, 2, 3, 4
 OF_BUSHING = 6  # records: three displacements, three angles
 
 TREE_ELEMENT = np.dtype(
     [
-        ("measure", np.int64),  # IN_COORDINATE, IN_LINE, ALONG, ABOUT
+        ("measure", np.int64),  # IN_COORDINATE, IN_LINE, ALONG, ABOUT, or BETWEEN shapes
         ("coordinate", np.int64),  # IN_COORDINATE: number of the hinge coordinate
         ("curve", np.int64),  # IN_COORDINATE: function of a cam that is taken off, among `curves`, -1: none
         ("cam", np.int64),  # number of the coordinate that `curve` is a function of
@@ -44,6 +45,7 @@ TREE_ELEMENT = np.dtype(
         ("torque", np.float64, 3),  # ABOUT: on body j per unit effort, opposite on i, inertial axes
         ("place", np.float64, 3),  # inertial axes, m
         *LAW.descr,
+        *TOUCH.descr,
     ]
 )
 
@@ -102,7 +104,7 @@ class TreeElements:
             "frictions": frictions,
             "joint_forces": np.zeros((1 + m, m, 5)),
             "normals": np.zeros(m),
-            "answers": np.zeros((elements.size + m, 8)),
+            "answers": np.zeros((elements.size + m, columns_of_answers(elements))),
             "curves": curves["functions"],
             "knots": curves["knots"],
         }
@@ -144,6 +146,9 @@ class TreeElements:
                 records["measure"], records["axis"] = 3 * [ALONG] + 3 * [ABOUT], 2 * [0, 1, 2]
                 fill_bushing(records, item)
                 records["resists"] = records["c"].any(axis=1)
+            elif isinstance(item.measure, Touch):
+                records["measure"] = BETWEEN
+                fill_contact(records, item)
             else:
                 fill_law(records, item.law, item.values, self.table)
             at += len(item.parts)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...model.joint_elements import JointElements, names_of
 from ...model.joints import ANGLE
-from ...model.laws import Element
+from ...model.laws import CONTACT, Element
 
 if TYPE_CHECKING:
     from ...model.shapes import Shape
@@ -149,6 +149,7 @@ def with_shapes(layout: Layout, shapes: Sequence["Shape"]) -> Layout:
 
 
 COORDINATE, ELEMENT, COUPLING = "coordinate/coordinate", "element/element", "coupling/coupling"
+CONTACTS = "contact/contact"
 JOINT_SERIES = {
     "joint_coordinate": Series(
         "coordinate/q", (COORDINATE,), "rad or m", "joint coordinate, 0 at the deck's estimates"
@@ -158,7 +159,11 @@ JOINT_SERIES = {
 ELEMENT_SERIES = {
     f"element_{name}": Series(f"element/{name}", (ELEMENT,), units, long_name)
     for name, units, long_name in (
-        ("coordinate", "rad or m", "length, stroke or angle; 0 of friction, see the coordinate of its joint"),
+        (
+            "coordinate",
+            "rad or m",
+            "length, stroke, angle or gap; 0 of friction, see the coordinate of its joint",
+        ),
         ("rate", "rad/s or m/s", "its rate; of friction the sliding speed"),
         ("effort", "N m or N", "force or torque towards larger coordinates"),
         ("power", "W", "power of what the element dissipates (negative) or drives"),
@@ -170,7 +175,7 @@ ELEMENT_SERIES["dissipated"] = Series(
     "energy/dissipated",
     (),
     "J",
-    "what springs' dampers, stops, cables, bushings and friction have dissipated since the start",
+    "what springs' dampers, stops, cables, bushings, friction and contacts have dissipated since the start",
 )
 COUPLING_SERIES = {
     "coupling_effort": Series(
@@ -180,7 +185,16 @@ COUPLING_SERIES = {
         "effort, which acts times its factor in each coordinate, towards larger values",
     )
 }
-OF_ELEMENTS = ELEMENT_SERIES | COUPLING_SERIES
+CONTACT_SERIES = {
+    f"contact_{name}": Series(f"contact/{name}", axes, units, long_name)
+    for name, axes, units, long_name in (
+        ("force", (CONTACTS, "xyz"), "N", "force on the second body with its friction, global axes"),
+        ("place", (CONTACTS, "xyz"), "m", "place where the force acts, global axes"),
+        ("touches", (CONTACTS,), "1", "number of times that it has begun, by methods that stop for contacts"),
+        ("changed", (CONTACTS,), "s", "time when it began or ended last; 0: it has not"),
+    )
+}
+OF_ELEMENTS = ELEMENT_SERIES | COUPLING_SERIES | CONTACT_SERIES
 SERIES = JOINT_SERIES | OF_ELEMENTS
 
 
@@ -199,6 +213,8 @@ def with_elements(
         if names:
             texts, units = zip(*names, strict=True)
             axes.append(with_units(numbered_axis(kind, texts), kind, units))
+    if contacts := [name for item in elements.of(CONTACT) for name, _ in item.parts]:
+        axes.append(numbered_axis("contact", contacts))
     present = {axis.path for axis in axes}
     # A tree has series of its coordinates already.
     wanted = SERIES if coordinates else OF_ELEMENTS

@@ -7,13 +7,14 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ...kernels.constrained.report import Report
+from ...kernels.contact import CHANGED, CONTACT_COLUMNS, FORCE, PLACE, TOUCHES
 from ...kernels.laws import COORDINATE, EFFORT, ENERGY, POWER, SPEED
 from ...model.arrays.dynamic import DynamicArrays
 from ...model.arrays.element_table import coordinates_of_joints
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.joint_elements import JointElements, names_of
-from ...model.laws import FRICTION, MOTOR, parts_in_arrays
+from ...model.laws import CONTACT, FRICTION, MOTOR, parts_in_arrays
 from ...model.loads import DynamicModel
 from ...model.vectors import cross_rows
 from .flexible_rows import FlexibleRows, flexible_rows
@@ -34,6 +35,10 @@ class ElementAnswers:
     element_work: np.ndarray  # (T, elements) J, integral of its power since the start
     dissipated: np.ndarray  # (T,) J, what all elements but motors have dissipated since the start
     coupling_effort: np.ndarray  # (T, couplings) times its factor: what acts in a coordinate, N or N m
+    contact_force: np.ndarray  # (T, contacts, 3) on the second body, global axes, N
+    contact_place: np.ndarray  # (T, contacts, 3) where it acts, global axes, m
+    contact_touches: np.ndarray  # (T, contacts) how often it has begun
+    contact_changed: np.ndarray  # (T, contacts) when it began or ended last, s
 
 
 @dataclass(frozen=True)
@@ -129,6 +134,19 @@ def answers_of(elements: JointElements, answers: np.ndarray, works: np.ndarray, 
         "element_work": works,
         # 0 - x, unlike -x, leaves no negative zeros.
         "dissipated": 0.0 - np.sum(works[:, ~motors], axis=1),
+        **_contacts(found[:, [springs + k for k, (item, _) in enumerate(parts) if item.law is CONTACT]]),
+    }
+
+
+def _contacts(answers: np.ndarray) -> dict[str, np.ndarray]:
+    """Fields of `ElementAnswers` that only contacts have, from their answers (T, contacts, columns)."""
+    if not answers.shape[1]:
+        answers = np.zeros((len(answers), 0, CONTACT_COLUMNS))
+    return {
+        "contact_force": answers[..., FORCE : FORCE + 3].copy(),
+        "contact_place": answers[..., PLACE : PLACE + 3].copy(),
+        "contact_touches": answers[..., TOUCHES].copy(),
+        "contact_changed": answers[..., CHANGED].copy(),
     }
 
 

@@ -9,7 +9,7 @@ from ...kernels.constrained.projection import evaluate_residual
 from ...kernels.constrained.report import Report
 from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import PHI, System, Work, make_work
-from ...kernels.laws import ANSWER_COLUMNS
+from ...model.arrays.contacts import columns_of_answers
 from ...model.arrays.records import FUNCTION, function_record
 from ...model.arrays.system import SystemArrays
 from ...model.time_functions import POLYNOMIAL
@@ -37,7 +37,7 @@ def blank_report(arrays: SystemArrays, times: np.ndarray, works: int = 0) -> Rep
     return Report(
         times, np.zeros((rows, 2 * n + arrays.bodies + 1 + works)), np.zeros((rows, n)),
         np.zeros((rows, len(arrays.groups), 2, 6)), np.zeros((rows, len(arrays.equations))), np.zeros(rows),
-        np.zeros((rows, 5)), np.zeros((rows, len(arrays.loads), ANSWER_COLUMNS)),
+        np.zeros((rows, 5)), np.zeros((rows, len(arrays.loads), columns_of_answers(arrays.loads))),
     )  # fmt: skip
 
 

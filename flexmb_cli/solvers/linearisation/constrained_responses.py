@@ -8,8 +8,8 @@ import numpy as np
 from ...kernels.constrained.angle_unwrapping import EXPECTED
 from ...kernels.constrained.report import observe_rows
 from ...kernels.constrained.system import NO_INERTIA, SOLVED, System
-from ...kernels.laws import ANSWER_COLUMNS
 from ...model.arrays.constraint_table import tilde
+from ...model.arrays.contacts import columns_of_answers
 from ...model.arrays.laws import fill_law
 from ...model.arrays.records import FORCE, FRICTION, TORQUE
 from ...model.flexible_mechanism import NodePoint
@@ -70,7 +70,7 @@ class ConstrainedResponses(Responses):
         expected = analysis.integration.angles[EXPECTED][None].copy()
         system, work = model or motion.system, analysis.work
         # A kernel writes a row for every load, and a model may have one more.
-        answers = np.zeros((len(system.loads), ANSWER_COLUMNS))
+        answers = np.zeros((len(system.loads), columns_of_answers(system.loads)))
         work, report = work._replace(responses=answers), report._replace(responses=answers[None].copy())
         filled = observe_rows(system, work, expected, report)
         motion.refuse(SOLVED if filled else NO_INERTIA)

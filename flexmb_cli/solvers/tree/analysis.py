@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import AnalysisError, Fault
+from ...kernels.contact import CONTACT_COLUMNS, END, GAP, TOUCHES
 from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...kernels.tree.kane import SOLVED
@@ -57,6 +58,8 @@ class TreeAnalysis:
         self.warnings: list[Fault] = []  # fills at the start
         self.loop_note: Fault | None = None  # on loops that close only nearly
         self.resumed = False
+        answers = self.arrays.answers
+        self._contacts = answers[:, TOUCHES:].copy() if answers.shape[1] == CONTACT_COLUMNS else None
         if checkpoint is not None:
             self.restore(checkpoint)
 
@@ -86,6 +89,7 @@ class TreeAnalysis:
             "state": self.integration.old.copy(),
             "attitude": self.attitude,
             **self._attachments(),
+            **self._contacts_to_go_on(),
         }
 
     def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
@@ -98,6 +102,8 @@ class TreeAnalysis:
         self.integration.z[:] = taken(checkpoint, "state", self.integration.z.shape)
         for name, values in self._attachments().items():
             values[:] = taken(checkpoint, name, values.shape)
+        if self._contacts is not None:
+            self.arrays.answers[:, TOUCHES:] = taken(checkpoint, "contacts", self._contacts.shape)
 
     def _attachments(self) -> dict[str, np.ndarray]:
         """Return what elements keep of the motion before, by names in resume files."""
@@ -106,6 +112,16 @@ class TreeAnalysis:
         elements, values = self.arrays.elements, self.arrays.closures["value"]
         names = {"bushing_axes": elements["turned"], "bushing_angles": elements["expected"]}
         return {**names, "coupling_values": values}
+
+    def _contacts_to_go_on(self) -> dict[str, np.ndarray]:
+        """Return touches, states and gaps (elements, …) of contacts where a resumed run goes on."""
+        if self._contacts is None:
+            return {}
+        found = self._contacts.copy()
+        if self.tree.integration.method == "dop853":
+            found[:] = self.arrays.answers[:, TOUCHES:]
+            found[:, END - TOUCHES :] = found[:, GAP - TOUCHES : END - TOUCHES]
+        return {"contacts": found}
 
     @property
     def stopped_at(self) -> tuple[float, float, float, float, np.ndarray]:
@@ -248,6 +264,10 @@ class TreeAnalysis:
             assemble_tree(self)
         begin = tree_dop853.BEGIN_STEPS if self.in_body_axes else codes.BEGIN
         code = self.evaluate() if self.resumed else self.call(begin)
+        if self._contacts is not None and code != codes.NO_INERTIA:
+            # The first step begins with the contacts of the state, not with those of the probe before it.
+            code = self.evaluate()
+            self._contacts = self.arrays.answers[:, TOUCHES:].copy()
         self.resumed = False
         self.integration.old[:] = self.integration.z
         if code == codes.NO_INERTIA:

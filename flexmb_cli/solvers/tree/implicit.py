@@ -3,8 +3,11 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ...kernels.integrators import sdirk4
 from ...kernels.tree.report import Report
+from ...model.arrays.tree_elements import BETWEEN
 from .rows import TreeRows
 
 if TYPE_CHECKING:
@@ -21,8 +24,9 @@ def implicit_rows(analysis: "TreeAnalysis") -> Iterator[TreeRows]:
     """
     clock, n = analysis.clock[0], len(analysis.coordinates)
     arrays = analysis.arrays
+    contacts = int(np.count_nonzero(arrays.elements["measure"] == BETWEEN))
     integration = sdirk4.implicit_work(
-        analysis.clock, analysis.state, n, arrays.closures, len(arrays.answers)
+        analysis.clock, analysis.state, n, arrays.closures, len(arrays.answers) + 2 * contacts
     )
     integration.before[:] = analysis.integration.slopes[0]
     budget = 1 + IMPLICIT_CALL_WORK // (1 + n * n)

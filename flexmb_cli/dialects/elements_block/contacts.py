@@ -1,0 +1,70 @@
+"""Lines CONTACT of the block ELEMENTS: the shapes that may touch."""
+
+import math
+from typing import Any
+
+from ...model.laws import Touch
+from .line import ElementLine
+from .measures import Measures
+from .words import OF_FIRST, OF_SECOND
+
+_KEYS = ("normal", *(f"{what}_{end}" for end in ("from", "to") for what in ("radius", "axis", "size")))
+
+
+def touch_of(line: ElementLine, measures: Measures, ends: tuple[Any, ...]) -> Touch | None:
+    """Return the shapes of a contact between such ends; None where there is a fault."""
+    first, second = line.kind.split("-")
+    wanted = (*OF_FIRST[first], *OF_SECOND[second])
+    given = [key for key in _KEYS if key in line or f"{key}.x" in line]
+    before = len(measures.findings.faults)
+    for key in wanted:
+        if key not in given:
+            message = f"{line.kind} needs {key}=; its shapes have {' and '.join(wanted)}"
+            measures.findings.error(line.subject, message, line.place, id="ELEMENTS-068")
+    for key in given:
+        if key not in wanted:
+            message = f"{line.kind} has no {key}; its shapes have {' and '.join(wanted)}"
+            measures.findings.error(line.subject, message, line.place, id="ELEMENTS-065")
+    _check_law(line, measures)
+    if len(measures.findings.faults) > before:
+        return None
+    shapes = {key: line[key] if key.startswith("radius") else line.vector(key) for key in wanted}
+    for key, value in shapes.items():
+        _check_size(line, measures, key, value)
+    if len(measures.findings.faults) > before:
+        return None
+    fields: dict[str, Any] = {
+        key.replace("from", "i").replace("to", "j"): value for key, value in shapes.items()
+    }
+    if normal := fields.pop("normal", None):
+        fields["axis_i"] = tuple(x / math.hypot(*normal) for x in normal)
+    i, j, P_i, P_j = ends
+    return Touch(i, j, P_i, P_j, first, second, **fields)
+
+
+def _check_size(line: ElementLine, measures: Measures, key: str, value: Any) -> None:
+    is_vector = isinstance(value, tuple)
+    if key.startswith(("normal", "axis")):
+        wrong = not math.hypot(*value) > 0.0
+    else:
+        wrong = not all(x > 0.0 for x in (value if is_vector else (value,)))
+    if wrong:
+        rule = "have a direction" if key.startswith(("normal", "axis")) else "be larger than 0"
+        message = f"{key} must {rule}; read {value if is_vector else format(value, 'g')}"
+        place = line.place_of(f"{key}.x" if is_vector else key)
+        measures.findings.error(line.subject, message, place, id="ELEMENTS-066")
+
+
+def _check_law(line: ElementLine, measures: Measures) -> None:
+    """Refuse a coefficient of restitution that is none, that has no speed, or that damping contradicts."""
+    if line["restitution"] == 1.0:
+        return
+    if line["restitution"] > 1.0:
+        message = f"restitution must not be larger than 1; read {line['restitution']:g}"
+    elif not line["speed"] > 0.0:
+        message = "restitution needs the speed of approach at which it holds: speed="
+    elif line["damping"]:
+        message = "damping and restitution say the same; remove one of them"
+    else:
+        return
+    measures.findings.error(line.subject, message, line.place_of("restitution"), id="ELEMENTS-067")
