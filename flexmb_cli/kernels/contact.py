@@ -21,14 +21,14 @@ CONTACT = 6  # code of the law; a test compares it with model.laws
 # Pairs of shapes: that of body i, and that of body j.
 PLANE_BALL, PLANE_RIM, CORES, BOX_BALL, CYLINDER_BALL = 0, 1, 2, 3, 4
 # Numbers of the law.
-RIGIDITY, EXPONENT, LOSS, FRICTION, STATIC, STRIBECK, CREEP, ROLLING = 0, 1, 2, 3, 4, 5, 6, 7
+RIGIDITY, EXPONENT, LOSS, MU, MU_STATIC, MU_STRIBECK, MU_CREEP, ROLLING = 0, 1, 2, 3, 4, 5, 6, 7
 # Columns of the answers of systems with contacts, besides those of `laws`: force on body j, N, and place, m,
 # both in global axes; number of touches, time of the last change, s; state, and gap and rate at the start
 # and at the end of the step.
-FORCE, PLACE, TOUCHES, CHANGED, STATE, GAP, GAP_RATE, END, END_RATE = 8, 11, 14, 15, 16, 17, 18, 19, 20
+PUSH, PLACE, TOUCHES, CHANGED, STATE, AT_START, START_RATE, END, END_RATE = 8, 11, 14, 15, 16, 17, 18, 19, 20
 CONTACT_COLUMNS = 21
 # States: the gap decides in each evaluation; apart or touching until an event.
-FREE, APART, TOUCHING = 0.0, 1.0, 2.0
+BY_GAP, SEPARATE, TOUCHING = 0.0, 1.0, 2.0
 
 
 @kernel
@@ -52,7 +52,7 @@ def answer_contact(
     store(n, c["normal"], 0)
     lost = _resist(c, n, N, minus(slip, scaled(rate, n)), minus(w_j, w_i))
     answer[EFFORT], answer[POWER], answer[NORMAL] = N, (N - kept) * rate + lost, N
-    store(scaled(N, triple(c["push"], 0)), answer, FORCE)
+    store(scaled(N, triple(c["push"], 0)), answer, PUSH)
     return arm_i
 
 
@@ -66,7 +66,7 @@ def _outward(axes: Axes, v: Triple) -> Triple:
 def _normal_force(c: np.ndarray, answer: np.ndarray):
     """Normal force by c (10,) and its part with a potential; fills slopes and energy of an answer (21,)."""
     depth, n, k = max(-answer[COORDINATE], 0.0), c[EXPONENT], c[RIGIDITY]
-    if depth == 0.0 or answer[STATE] == APART:
+    if depth == 0.0 or answer[STATE] == SEPARATE:
         answer[STIFFNESS] = answer[DAMPING] = answer[ENERGY] = 0.0
         return 0.0, 0.0
     kept = k * depth**n
@@ -82,14 +82,14 @@ def _resist(c: np.void, n: Triple, N: float, slip: Triple, w: Triple) -> float:
     law, v = c["c"], math.sqrt(dot(slip, slip))
     share, slope = contact_friction(law, v)
     store(minus(n, scaled(share, slip)), c["push"], 0)
-    along = scaled(1.0 / v, slip) if v > SMALL * law[CREEP] else _across(n)
+    along = scaled(1.0 / v, slip) if v > SMALL * law[MU_CREEP] else _across(n)
     store(along, c["along"], 0)
     c["slope_along"], c["slope_across"] = N * max(slope, 0.0), N * share
     power = -N * share * v * v
     if law[ROLLING] > 0.0:
         rolling = minus(w, scaled(dot(n, w), n))
         speed = math.sqrt(dot(rolling, rolling))
-        creep = law[CREEP] / (c["radius_j"] if c["radius_j"] > 0.0 else 1.0)
+        creep = law[MU_CREEP] / (c["radius_j"] if c["radius_j"] > 0.0 else 1.0)
         resists = law[ROLLING] * (math.tanh(speed / creep) / speed if speed > SMALL * creep else 1.0 / creep)
         store(scaled(-resists, rolling), c["roll"], 0)
         power -= N * resists * speed * speed
@@ -99,11 +99,11 @@ def _resist(c: np.void, n: Triple, N: float, slip: Triple, w: Triple) -> float:
 @kernel
 def contact_friction(c: np.ndarray, v: float):
     """μ(v)/v and dμ/dv at the sliding speed v >= 0 by the numbers c (10,) of a contact law."""
-    more = max(c[STATIC] - c[FRICTION], 0.0)
-    fade, rise = math.exp(-((v / c[STRIBECK]) ** 2)), math.tanh(v / c[CREEP])
-    mu = c[FRICTION] + more * fade
-    slope = mu * (1.0 - rise * rise) / c[CREEP] - 2.0 * more * fade * v / c[STRIBECK] ** 2 * rise
-    return (mu * rise / v if v > SMALL * c[CREEP] else mu / c[CREEP]), slope
+    more = max(c[MU_STATIC] - c[MU], 0.0)
+    fade, rise = math.exp(-((v / c[MU_STRIBECK]) ** 2)), math.tanh(v / c[MU_CREEP])
+    mu = c[MU] + more * fade
+    slope = mu * (1.0 - rise * rise) / c[MU_CREEP] - 2.0 * more * fade * v / c[MU_STRIBECK] ** 2 * rise
+    return (mu * rise / v if v > SMALL * c[MU_CREEP] else mu / c[MU_CREEP]), slope
 
 
 @kernel

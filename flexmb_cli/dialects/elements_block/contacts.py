@@ -20,11 +20,11 @@ def touch_of(line: ElementLine, measures: Measures, ends: tuple[Any, ...]) -> To
     for key in wanted:
         if key not in given:
             message = f"{line.kind} needs {key}=; its shapes have {' and '.join(wanted)}"
-            measures.findings.error(line.subject, message, line.place, id="ELEMENTS-068")
+            measures.findings.error(line.subject, message, line.place, id="ELEMENTS-070")
     for key in given:
         if key not in wanted:
             message = f"{line.kind} has no {key}; its shapes have {' and '.join(wanted)}"
-            measures.findings.error(line.subject, message, line.place, id="ELEMENTS-065")
+            measures.findings.error(line.subject, message, line.place, id="ELEMENTS-067")
     _check_law(line, measures)
     if len(measures.findings.faults) > before:
         return None
@@ -52,7 +52,7 @@ def _check_size(line: ElementLine, measures: Measures, key: str, value: Any) -> 
         rule = "have a direction" if key.startswith(("normal", "axis")) else "be larger than 0"
         message = f"{key} must {rule}; read {value if is_vector else format(value, 'g')}"
         place = line.place_of(f"{key}.x" if is_vector else key)
-        measures.findings.error(line.subject, message, place, id="ELEMENTS-066")
+        measures.findings.error(line.subject, message, place, id="ELEMENTS-068")
 
 
 def _check_law(line: ElementLine, measures: Measures) -> None:
@@ -67,4 +67,4 @@ def _check_law(line: ElementLine, measures: Measures) -> None:
         message = "damping and restitution say the same; remove one of them"
     else:
         return
-    measures.findings.error(line.subject, message, line.place_of("restitution"), id="ELEMENTS-067")
+    measures.findings.error(line.subject, message, line.place_of("restitution"), id="ELEMENTS-069")

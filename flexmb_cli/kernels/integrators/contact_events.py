@@ -12,13 +12,25 @@ from typing import Any
 import numpy as np
 
 from .._jit import kernel
-from ..contact import APART, CHANGED, CONTACT, END, END_RATE, FREE, GAP, GAP_RATE, STATE, TOUCHES, TOUCHING
+from ..contact import (
+    AT_START,
+    BY_GAP,
+    CHANGED,
+    CONTACT,
+    END,
+    END_RATE,
+    SEPARATE,
+    START_RATE,
+    STATE,
+    TOUCHES,
+    TOUCHING,
+)
 from ..laws import COORDINATE, SPEED
 from .hermite import cubic
 
 EXACT = 1e-12  # m: a gap as good as 0
 MOST_ATTEMPTS = 30
-PIECES, HALVINGS = 16, 50  # of a step in which the cubic's zero is sought
+PIECES, BISECTIONS = 16, 50  # of a step in which the cubic's zero is sought
 
 
 def contact_events(attempt: Callable[..., Any], elements: Callable[..., Any] | None):
@@ -43,6 +55,10 @@ def contact_events(attempt: Callable[..., Any], elements: Callable[..., Any] | N
         if answers.shape[1] > END_RATE and integration.clock[0]["rejected"] == 0:
             begin_step(records, answers, integration.clock[0]["t"])
 
+    return begin, _landing(attempt, elements)
+
+
+def _landing(attempt: Callable[..., Any], elements: Callable[..., Any]):
     @kernel
     def land(integration: Any, factor: float, *arrays: Any):
         clock = integration.clock[0]
@@ -70,7 +86,7 @@ def contact_events(attempt: Callable[..., Any], elements: Callable[..., Any] | N
         end_step(records, answers)
         return factor
 
-    return begin, land
+    return land
 
 
 @kernel
@@ -80,12 +96,12 @@ def begin_step(records: np.ndarray, answers: np.ndarray, t: float) -> None:
         if records[k]["shape"] != CONTACT:
             continue
         a = answers[k]
-        if a[STATE] == FREE:
+        if a[STATE] == BY_GAP:
             a[END], a[END_RATE] = a[COORDINATE], a[SPEED]
-        before, a[GAP], a[GAP_RATE] = a[STATE], a[END], a[END_RATE]
-        touches = a[GAP] < -EXACT or (a[GAP] <= EXACT and a[GAP_RATE] <= 0.0)
-        a[STATE] = TOUCHING if touches else APART
-        if before != FREE and before != a[STATE]:
+        before, a[AT_START], a[START_RATE] = a[STATE], a[END], a[END_RATE]
+        touches = a[AT_START] < -EXACT or (a[AT_START] <= EXACT and a[START_RATE] <= 0.0)
+        a[STATE] = TOUCHING if touches else SEPARATE
+        if before != BY_GAP and before != a[STATE]:
             a[CHANGED] = t
         if touches and before != TOUCHING:
             a[TOUCHES] += 1.0
@@ -117,9 +133,9 @@ def first_change(records: np.ndarray, answers: np.ndarray, h: float):
 @kernel
 def _change(a: np.ndarray, h: float):
     """Share of a step of length h after which a contact with an answer (21,) changes, 2: it does not."""
-    sign = 1.0 if a[STATE] == APART else -1.0
-    start, end = sign * a[GAP], sign * a[COORDINATE]
-    leaving, arriving = sign * h * a[GAP_RATE], sign * h * a[SPEED]
+    sign = 1.0 if a[STATE] == SEPARATE else -1.0
+    start, end = sign * a[AT_START], sign * a[COORDINATE]
+    leaving, arriving = sign * h * a[START_RATE], sign * h * a[SPEED]
     turns = sign > 0.0 and leaving < 0.0 < arriving
     if not (end < -EXACT or turns):
         return 2.0
@@ -134,8 +150,8 @@ def _change(a: np.ndarray, h: float):
 
 @kernel
 def _zero(low: float, high: float, start: float, end: float, leaving: float, arriving: float):
-    """Where Hermite's cubic, not negative at `low`, negative at `high`, passes 0."""
-    for _ in range(HALVINGS):
+    """Return where Hermite's cubic, not negative at `low`, negative at `high`, passes 0."""
+    for _ in range(BISECTIONS):
         x = 0.5 * (low + high)
         if cubic(x, start, end, leaving, arriving) < 0.0:
             high = x

@@ -90,6 +90,9 @@ def _steps(method: Method):
             factor = attempt(integration, h, *arrays)
             if factor > 0.0:
                 factor = land(integration, factor, *arrays)
+                # Where the shorter attempt failed, that one is what the next must be shorter than.
+                if factor <= 0.0:
+                    h = clock["length"]
             if factor > 0.0:
                 landed, code = clock["length"] < h, accept(integration, factor, *arrays)
                 if landed and clock["rejected"] == 0:

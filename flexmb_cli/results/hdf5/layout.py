@@ -159,11 +159,7 @@ JOINT_SERIES = {
 ELEMENT_SERIES = {
     f"element_{name}": Series(f"element/{name}", (ELEMENT,), units, long_name)
     for name, units, long_name in (
-        (
-            "coordinate",
-            "rad or m",
-            "length, stroke, angle or gap; 0 of friction, see the coordinate of its joint",
-        ),
+        ("coordinate", "rad or m", "length, stroke or angle; 0 of friction, see the coordinate of its joint"),
         ("rate", "rad/s or m/s", "its rate; of friction the sliding speed"),
         ("effort", "N m or N", "force or torque towards larger coordinates"),
         ("power", "W", "power of what the element dissipates (negative) or drives"),
@@ -175,7 +171,7 @@ ELEMENT_SERIES["dissipated"] = Series(
     "energy/dissipated",
     (),
     "J",
-    "what springs' dampers, stops, cables, bushings, friction and contacts have dissipated since the start",
+    "what springs' dampers, stops, cables, bushings and friction have dissipated since the start",
 )
 COUPLING_SERIES = {
     "coupling_effort": Series(

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ...kernels.constrained.report import Report
-from ...kernels.contact import CHANGED, CONTACT_COLUMNS, FORCE, PLACE, TOUCHES
+from ...kernels.contact import CHANGED, CONTACT_COLUMNS, PLACE, PUSH, TOUCHES
 from ...kernels.laws import COORDINATE, EFFORT, ENERGY, POWER, SPEED
 from ...model.arrays.dynamic import DynamicArrays
 from ...model.arrays.element_table import coordinates_of_joints
@@ -143,7 +143,7 @@ def _contacts(answers: np.ndarray) -> dict[str, np.ndarray]:
     if not answers.shape[1]:
         answers = np.zeros((len(answers), 0, CONTACT_COLUMNS))
     return {
-        "contact_force": answers[..., FORCE : FORCE + 3].copy(),
+        "contact_force": answers[..., PUSH : PUSH + 3].copy(),
         "contact_place": answers[..., PLACE : PLACE + 3].copy(),
         "contact_touches": answers[..., TOUCHES].copy(),
         "contact_changed": answers[..., CHANGED].copy(),

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import AnalysisError, Fault
-from ...kernels.contact import CONTACT_COLUMNS, END, GAP, TOUCHES
+from ...kernels.contact import AT_START, CONTACT_COLUMNS, END, TOUCHES
 from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...kernels.tree.kane import SOLVED
@@ -114,13 +114,13 @@ class TreeAnalysis:
         return {**names, "coupling_values": values}
 
     def _contacts_to_go_on(self) -> dict[str, np.ndarray]:
-        """Return touches, states and gaps (elements, …) of contacts where a resumed run goes on."""
+        """Return touches, states and gaps (elements, …) of contacts from which a resumed run continues."""
         if self._contacts is None:
             return {}
         found = self._contacts.copy()
         if self.tree.integration.method == "dop853":
             found[:] = self.arrays.answers[:, TOUCHES:]
-            found[:, END - TOUCHES :] = found[:, GAP - TOUCHES : END - TOUCHES]
+            found[:, END - TOUCHES :] = found[:, AT_START - TOUCHES : END - TOUCHES]
         return {"contacts": found}
 
     @property

@@ -46,7 +46,7 @@ def forces_at(analysis, q, u):
     move_vectors(geometry_of(system, work), u)
     for k in range(len(system.loads)):
         if system.loads[k]["kind"] == ELEMENT:
-            add_element(system, work, k, 0.0, f)
+            add_element(system, work, k, u, 0.0, f)
         else:
             add_unit_friction(system, work, k, f)
             f, work.responses[k, DAMPING] = NORMAL_FORCE * f, NORMAL_FORCE * work.responses[k, DAMPING]

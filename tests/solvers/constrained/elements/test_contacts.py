@@ -153,3 +153,15 @@ def test_cylinder_on_a_slope_rolls_or_slips(slope, place, speed, spin):
     assert rows.position[-1, 1, 0] == pytest.approx(place, abs=0.002)
     assert rows.velocity[-1, 1, 0] == pytest.approx(speed, abs=0.002)
     assert rows.angular_velocity[-1, 1, 1] == pytest.approx(spin, abs=0.01)
+
+
+def test_a_ball_bounces_in_flights_of_the_closed_form():
+    """Without damping each flight from the plane lasts 2 v/g, v² = v0² + 2 g h: the sum of energies stays."""
+    bounce = ball((0.0, 0.0, 0.55), (0.0, 0.0, -2.0), tolerance=1e-10)
+    rows = dafms(bounce, 1.2, 0.02, on_plane("stiffness=2e6 exponent=1.5"), EXPLICIT)
+    v = math.sqrt(4.0 + 2.0 * 9.81 * 0.5)
+    first = (v - 2.0) / 9.81
+    changes = np.unique(rows.contact_changed[:, 0])[1:]
+    assert rows.contact_touches[-1, 0] == 1.0 + (1.2 - first) // (2.0 * v / 9.81)
+    assert changes[0] == pytest.approx(first, abs=1e-9)
+    assert rows.kinetic.max() <= 0.5 * bounce.m * v**2 * (1.0 + 1e-3)
