@@ -68,7 +68,9 @@ def evaluate_jacobian(system: System, work: Work, q: np.ndarray) -> None:
     equation_rows(system, work, work.jacobian)
     for row in range(work.jacobian.shape[0]):
         for p in range(work.columns[row, 0]):
-            work.jacobian[row, p] *= system.speed_scale[work.columns[row, 1 + p]] / system.row_scale[row]
+            # Planar mechanisms have mostly zeros, and divisions take long.
+            if work.jacobian[row, p] != 0.0:
+                work.jacobian[row, p] *= system.speed_scale[work.columns[row, 1 + p]] / system.row_scale[row]
 
 
 @kernel
@@ -212,8 +214,9 @@ def split(
     for d in range(rank):
         k = order[m + d]
         amount = scale[k] * (forces[k] - product[k])
-        for f in range(n - rank):
-            y[f] += Z[k, f] * amount
+        if amount != 0.0:
+            for f in range(n - rank):
+                y[f] += Z[k, f] * amount
 
 
 @kernel

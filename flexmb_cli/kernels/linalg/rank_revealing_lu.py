@@ -235,8 +235,9 @@ def row_times(jacobian: np.ndarray, columns: np.ndarray, row: int, x: np.ndarray
     """Return the product of a row of jacobian (m, c) and x / scale, x (n,), scale (n,)."""
     total = 0.0
     for p in range(columns[row, 0]):
-        k = columns[row, 1 + p]
-        total += jacobian[row, p] * x[k] / scale[k]
+        if jacobian[row, p] != 0.0:
+            k = columns[row, 1 + p]
+            total += jacobian[row, p] * x[k] / scale[k]
     return total
 
 
