@@ -15,9 +15,9 @@ from ..joint_elements import COORDINATES_OF, JointElements
 from ..joints import ANGLE, BY_NAME, PITCH, STROKE
 from ..laws import FRICTION, SPRING, At, Element, Frames, Line, is_angle
 from .constraint_table import PrimitiveTable
-from .laws import fill_bushing, fill_law
+from .laws import NONE, fill_bushing, fill_law
 from .node_joints import JointVectors
-from .records import ELEMENT, LOAD, NONE, blank_load, blank_primitive, line_primitive
+from .records import ELEMENT, LOAD, blank_load, blank_primitive, line_primitive
 from .records import FRICTION as FRICTION_LOAD
 
 if TYPE_CHECKING:

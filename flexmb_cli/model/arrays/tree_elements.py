@@ -12,8 +12,7 @@ import numpy as np
 from ..laws import FRICTION, At, Frames
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from .function_table import FunctionTable
-from .laws import fill_bushing, fill_law
-from .records import LAW
+from .laws import LAW, fill_bushing, fill_law
 
 if TYPE_CHECKING:
     from ..flexible_mechanism import NodePoint
