@@ -17,8 +17,7 @@ from flexmb_cli.kernels.laws import (
     friction_share,
 )
 from flexmb_cli.model.arrays.function_table import FunctionTable
-from flexmb_cli.model.arrays.laws import fill_law
-from flexmb_cli.model.arrays.records import LAW
+from flexmb_cli.model.arrays.laws import LAW, fill_law
 from flexmb_cli.model.laws import (
     CABLE,
     FRICTION,

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 
 from ..time_functions import COMPOUND, HELD_TABLE, PIECEWISE, TABLE, MotionFunction
-from .records import FUNCTION, NONE, function_record
+from .laws import NONE
+from .records import FUNCTION, function_record
 
 OF_A_COORDINATE = 1.0  # in c[3] of a function of pieces whose argument is no time
 

@@ -5,12 +5,24 @@ The kernels of both formulations hand such records to `kernels.laws`.
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..laws import NUMBER, OF_COORDINATE, OF_TIME, SPRING, Element, Law
 from ..time_functions import integral_of
-from .records import NONE
 
 if TYPE_CHECKING:
     from .function_table import FunctionTable
+
+NONE = -1
+
+LAW = np.dtype(
+    [
+        ("shape", np.int64),  # code of a law of `model.laws`
+        ("c", np.float64, 10),  # its numbers in their order, SI units; of a motor a constant effort
+        # Its functions in their order, -1: none; behind one of the coordinate its integral.
+        ("f", np.int64, 3),
+    ]
+)
 
 
 def fill_law(record: Any, law: Law, values: tuple[Any, ...], table: "FunctionTable | None" = None) -> Any:

@@ -11,18 +11,9 @@ from typing import Any
 
 import numpy as np
 
-NONE = -1
-FORCE, TORQUE, ELEMENT, FRICTION = 1, 2, 5, 6
+from .laws import LAW, NONE
 
-# Fields of the force law that every record of an element has; `kernels.laws` reads them.
-LAW = np.dtype(
-    [
-        ("shape", np.int64),  # code of a law of `model.laws`
-        ("c", np.float64, 10),  # its numbers in their order, SI units; of a motor a constant effort
-        # Its functions in their order, -1: none; behind one of the coordinate its integral.
-        ("f", np.int64, 3),
-    ]
-)
+FORCE, TORQUE, ELEMENT, FRICTION = 1, 2, 5, 6
 
 # What records of contacts have beside, see `contacts`.
 TOUCH = np.dtype(

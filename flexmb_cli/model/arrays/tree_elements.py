@@ -13,8 +13,8 @@ from ..laws import FRICTION, At, Cam, Frames, Touch
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from .contacts import columns_of_answers, fill_contact
 from .function_table import FunctionTable
-from .laws import fill_bushing, fill_law
-from .records import LAW, TOUCH
+from .laws import LAW, fill_bushing, fill_law
+from .records import TOUCH
 
 if TYPE_CHECKING:
     from ..flexible_mechanism import NodePoint
