@@ -51,6 +51,9 @@ class Dialect(NamedTuple):
     # Function of a Deck, its Units, others and a title: its text in these, None where the model is written.
     other_units: str = ""
     programs: tuple[str, ...] = ()  # for which `convert` takes models of this dialect, others by way of it
+    # Numbers that are a function or a point of the kinematic model as they stand in the deck: the keys of the
+    # three components by section, "driver" or "point"; record n is item n of the model.
+    as_given: Mapping[str, tuple[str, ...]] = MappingProxyType({})
     any_units: bool = False  # whether its numbers may be in any consistent units, and not in SI only
     second_model: str = ""  # function as `builder` of another model with the same motion, for `verify`
 

@@ -34,6 +34,7 @@ from .result_files import ResultFiles
 if TYPE_CHECKING:
     import numpy as np
 
+    from ..solvers.kinematics.variants import Variants
     from .error_estimate import ErrorEstimate
 
 
@@ -77,7 +78,8 @@ class Solution:
     `identity`: what the numbers depend on besides the deck, in JSON's types.
 
     If it is `resumable`, the analysis has a `checkpoint` behind every block, arrays by name, and
-    `analysis.restore(checkpoint)` continues from it.
+    `analysis.restore(checkpoint)` continues from it.  `variants()`: what solves variants of the model
+    together, or None.
     """
 
     analysis: Analysis
@@ -90,6 +92,7 @@ class Solution:
     finer: Callable[[Run], Iterator[Mapping[str, "np.ndarray"]] | None] = lambda run: None
     identity: dict[str, Any] = field(default_factory=dict)
     resumable: bool = True
+    variants: "Callable[[], Variants | None]" = lambda: None
 
     def blocks(self) -> Iterator[Mapping[str, "np.ndarray"]]:
         """Yield the blocks of values; raises as the analysis does."""

@@ -1,9 +1,9 @@
 """Checkpoints of a study: a folder of part files, one for every block of cases.
 
-A case is kept the moment it is solved, with its length and checksum: a kill tears at most the case being
-written, which then does not count.  Whoever works on a block holds a lock on its file, so that no case is
-kept twice.  The folder may be on a disk that many machines share.  One sweep at a time works in it: the lock
-is the system's, on a file in the folder, and free again however its process ends.
+Cases are kept the moment they are solved, each with its length and checksum: a kill tears at most the case
+being written, which then does not count.  Whoever works on a block holds a lock on its file, so that no case
+is kept twice.  The folder may be on a disk that many machines share.  One sweep at a time works in it: the
+lock is the system's, on a file in the folder, and free again however its process ends.
 """
 
 import contextlib
@@ -236,16 +236,15 @@ class Part:
         self._file.truncate(end)
         self._file.seek(end)
 
-    def append(self, result: CaseResult) -> None:
-        """Keep a case."""
-        payload = _packed(result)
-        view = memoryview(framed(payload, _HEAD))
+    def append(self, results: list[CaseResult]) -> None:
+        """Keep the next cases."""
+        view = memoryview(b"".join(framed(_packed(result), _HEAD) for result in results))
         with located(self.path):
             while view:
                 view = view[self._file.write(view) :]
             GROWING.grown(self.path)
-        self.count += 1
-        self.failed += result.exit_code != 0
+        self.count += len(results)
+        self.failed += sum(result.exit_code != 0 for result in results)
 
     def __enter__(self) -> "Part":
         return self

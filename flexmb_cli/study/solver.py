@@ -7,15 +7,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..deck.record import Deck
+from ..dialects.recognise import dialect_named
 from ..dialects.settings import SettableDeck
 from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, DeckError, Fault, FlexmbError
 from ..memory import LACK_OF_MEMORY, lacks_memory
+from ..results.hdf5.layout import Values
 from ..results.hdf5.result_file import empty_result
 from ..results.quantities.quantities import SHOWS_ALL, Quantity, ResultError, resolve
 from ..run.model import model_of
 from ..run.outcome import Listener, Outcome, Run, RunOptions, Stop
 from ..run.solution import Solution, solution_of
 from .study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Cases, Kept, Study
+from .together import CasesTogether
 
 if TYPE_CHECKING:
     import h5py
@@ -63,6 +66,8 @@ class CaseSolver:
         self.rows = solution.rows
         self.quantities = _quantities(self.study, self.deck, solution)
         self.takes = [item.take for item in self.study.results]
+        names = [item.name for item in self.study.parameters]
+        self._together = CasesTogether.of(names, dialect_named(self.deck.dialect), solution)
 
     def listened_by(self, listener: Listener) -> None:
         """Report to `listener` from now on, earlier notices first."""
@@ -91,6 +96,40 @@ class CaseSolver:
         run = Run(Outcome(os.path.join(self.folder, deck.source.name)), self.options, self.listener)
         return solution_of(model_of(deck, run), run)
 
+    @property
+    def at_once(self) -> int:
+        """Return how many cases are solved together."""
+        return self._together.variants.at_once if self._together else 1
+
+    def solve_several(self, cases: range) -> list[CaseResult]:
+        """The results of cases; they are those of each solved alone."""
+        if self._together is None:
+            return [self.solve(case) for case in cases]
+        try:
+            parameters = np.array([self.cases.row(case) for case in cases], dtype=float)
+            values, plain = self._together.solve(parameters)
+        except (MemoryError, OverflowError):  # each of them alone may be spared it, or else reports it
+            return [self.solve(case) for case in cases]
+        found = [self._values_of(quantity, values).reshape(len(cases), -1) for quantity in self.quantities]
+        return [
+            self._plain_result(case, [rows[k] for rows in found]) if plain[k] else self.solve(case)
+            for k, case in enumerate(cases)
+        ]
+
+    def _plain_result(self, case: int, found: list[np.ndarray]) -> CaseResult:
+        """The result of a case by the rows of each quantity, in blocks as an analysis yields them."""
+        taken = self._nothing_taken()
+        for part, rows in zip(taken, found, strict=True):
+            for block in filter(len, (rows[:1], rows[1:])):
+                part.add(block)
+        return self._result(case, DONE, self.rows, taken, "")
+
+    @staticmethod
+    def _values_of(quantity: Quantity, values: Values) -> np.ndarray:
+        rows_of: tuple[Any, ...] = (slice(None), *quantity.index)
+        found: np.ndarray = values[quantity.dataset][rows_of]
+        return found
+
     def solve(self, case: int) -> CaseResult:
         """The result of a case; what fails is reported in it."""
         taken, rows, code, message = self._nothing_taken(), 0, DONE, ""
@@ -101,8 +140,7 @@ class CaseSolver:
             for values in solution.blocks():
                 rows += len(values["time"])
                 for quantity, part in zip(self.quantities, taken, strict=True):
-                    rows_of: tuple[Any, ...] = (slice(None), *quantity.index)
-                    part.add(values[quantity.dataset][rows_of])
+                    part.add(self._values_of(quantity, values))
         except FlexmbError as failure:
             code, message = failure.exit_code, failure.faults[0].sentence
         except Exception as fault:

@@ -220,16 +220,17 @@ def _solver(text: DeckText, folder: str, study: Study, loop_tolerance: float | N
 def solve_block(
     job: Job, block: int, advance: Callable[[int], None] = lambda cases: None, listener: Listener = SILENT
 ) -> BlockDone:
-    """Solve what a block lacks; every case is kept before the next begins."""
+    """Solve what a block lacks; cases are kept before others begin."""
     job.parts.check_shared()
     solver = solver_of(job)
     solver.listened_by(listener)
     # Cases make garbage by the thousand: to look through all that stays, too, costs a tenth.
     with job.part(block) as part, with_present_objects_frozen():
         missing = job.cases(block)[part.count :]
-        for case in missing:
-            part.append(solver.solve(case))
-            advance(1)
+        for first in range(0, len(missing), solver.at_once):
+            several = missing[first : first + solver.at_once]
+            part.append(solver.solve_several(several))
+            advance(len(several))
             Stop.raise_if_asked()
         return BlockDone(block, len(missing), part.failed)
 
@@ -242,7 +243,7 @@ def give_up_case(job: Job, block: int) -> None:
                 f"the process that solved this case ended {MOST_DEATHS} times: killed from outside, or out "
                 "of memory"
             )
-            part.append(solver_of(job).unsolved(job.cases(block)[part.count], INTERNAL_FAULT, message))
+            part.append([solver_of(job).unsolved(job.cases(block)[part.count], INTERNAL_FAULT, message)])
 
 
 def next_case(job: Job, block: int) -> int:

@@ -41,7 +41,7 @@ def test_a_record_of_another_form_is_not_taken(tmp_path, monkeypatch, take, para
     Path("s.toml").write_text(STUDY.format(deck=DECK, take=take))
     begun = Sweep.of("s.toml", "s.h5.parts")
     with begun.job.part(0) as part:
-        part.append(CaseResult(0, 0, 1, np.zeros(parameters), np.zeros(values), np.zeros(series)))
+        part.append([CaseResult(0, 0, 1, np.zeros(parameters), np.zeros(values), np.zeros(series))])
     begun.lock.leave()
     for table in ("s.h5", "undisturbed.h5"):
         assert CliRunner().invoke(cli, ["sweep", "s.toml", "-q", "-o", table]).exit_code == 0

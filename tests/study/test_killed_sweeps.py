@@ -20,7 +20,7 @@ from flexmb_cli.study import workers as study_workers
 from flexmb_cli.study.checkpoints import Parts, RecordForm
 from flexmb_cli.study.sweep import Sweep, give_up_case, next_case, solve_block
 from flexmb_cli.study.table import write_table
-from tests.study.studies import FLEXMB, SAMPLED, flexmb, written
+from tests.study.studies import FLEXMB, OWN_MODELS, SAMPLED, flexmb, written
 from tests.study.test_sweep import table
 
 pytestmark = pytest.mark.processes
@@ -157,7 +157,7 @@ def cannot_begin(line, job):
 
 def test_only_the_case_that_ends_its_processes_is_given_up(tmp_path, monkeypatch):
     """What was solved beside it, and was struck at the same deaths, is solved."""
-    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=300)), str(tmp_path / "parts"))
+    sweep = Sweep.of(str(written(tmp_path, OWN_MODELS, count=300)), str(tmp_path / "parts"))
     monkeypatch.setattr(study_workers, "_serve", ends_at_case_77)
     study_workers.solve_in_processes(sweep, sweep.pending(), lambda cases: None, 2)
     assert [result.case for result in sweep.results()] == list(range(300))

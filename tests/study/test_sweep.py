@@ -19,7 +19,7 @@ from flexmb_cli.study import workers as study_workers
 from flexmb_cli.study.solver import CaseSolver
 from flexmb_cli.study.study import Cases
 from flexmb_cli.study.sweep import Sweep
-from tests.study.studies import RSSR, SAMPLED, SMALL, flexmb, written
+from tests.study.studies import OWN_MODELS, RSSR, SAMPLED, SMALL, flexmb, written
 
 pytestmark = pytest.mark.processes
 
@@ -60,7 +60,7 @@ def test_every_case_is_what_run_gives_with_set(tmp_path):
     ],
 )
 def test_what_ends_one_case_is_recorded_and_the_next_is_solved(tmp_path, monkeypatch, fault, code, message):
-    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=3)), str(tmp_path / "parts"))
+    sweep = Sweep.of(str(written(tmp_path, OWN_MODELS, count=3)), str(tmp_path / "parts"))
     whole, struck = CaseSolver._solution, []
 
     def fails(solver, deck):

@@ -37,5 +37,6 @@ DIALECT = Dialect(
     programs=("exudyn",),
     rigid_deck="exchange.rigid_deck:rigid_deck",
     other_units="exchange.other_units:in_other_units",
+    as_given={"driver": ("C", "B", "A"), "point": ("x", "y", "z")},
     any_units=True,
 )

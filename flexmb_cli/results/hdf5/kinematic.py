@@ -1,6 +1,9 @@
 """Content of the HDF5 result of a mechanism's kinematics."""
 
+from collections.abc import Iterator
 from typing import Any
+
+import numpy as np
 
 from ...model.mechanism import Mechanism
 from ...solvers.kinematics.rows import Rows
@@ -54,9 +57,29 @@ def kinematic_layout(mechanism: Mechanism) -> Layout:
     return with_shapes(layout, mechanism.shapes)
 
 
+_FIELDS = {series.path: field for field, series in ({"time": TIME} | SERIES).items()}
+
+
+class _ValuesOfRows(Values):
+    """Fields of report rows that are calculated when they are requested first: a sweep needs few."""
+
+    def __init__(self, rows: Rows):
+        self._rows = rows
+
+    def __getitem__(self, path: str) -> np.ndarray:
+        found: np.ndarray = getattr(self._rows, _FIELDS[path])
+        return found
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_FIELDS)
+
+    def __len__(self) -> int:
+        return len(_FIELDS)
+
+
 def kinematic_values(rows: Rows) -> Values:
     """The fields of report rows by the paths of their datasets."""
-    return {series.path: getattr(rows, field) for field, series in ({"time": TIME} | SERIES).items()}
+    return _ValuesOfRows(rows)
 
 
 def readable_names(kind: str, items: tuple[Any, ...]) -> list[str]:

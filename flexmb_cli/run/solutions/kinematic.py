@@ -1,6 +1,7 @@
 """Kinematics of a mechanism that its drivers move."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ...model.mechanism import Mechanism
@@ -15,6 +16,8 @@ from ..solution import NoCount, Solution
 if TYPE_CHECKING:
     import numpy as np
 
+    from ...solvers.kinematics.variants import Variants
+
 
 def solution(mechanism: Mechanism, run: Run) -> Solution:
     """Return the kinematics of `mechanism`, ready to be solved."""
@@ -22,7 +25,14 @@ def solution(mechanism: Mechanism, run: Run) -> Solution:
         return _as_printed(mechanism, run)
     announce_compiling(run.listener, "kinematics.continuation.follow")
     analysis = KinematicAnalysis(mechanism, KinematicSettings(**run.options.solver))
-    return _solution(mechanism, analysis, run, not analysis.one_block)
+    whole = _solution(mechanism, analysis, run, not analysis.one_block)
+    return replace(whole, variants=lambda: _variants(analysis))
+
+
+def _variants(analysis: KinematicAnalysis) -> "Variants":
+    from ...solvers.kinematics.variants import Variants
+
+    return Variants(analysis)
 
 
 def _solution(mechanism: Mechanism, analysis: Any, run: Run, resumable: bool) -> Solution:

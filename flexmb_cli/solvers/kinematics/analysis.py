@@ -93,7 +93,7 @@ class KinematicAnalysis:
         first = self._block(0, 1)
         if first is None:
             first = self._assemble_otherwise()
-        elif not self._search.is_near(self.arrays.q, self.state[0]):
+        elif not self.search.is_near(self.arrays.q, self.state[0]):
             first = self._nearer_row(first)
         refuse_off_axis_drive(self.mechanism, first)
         return first
@@ -170,9 +170,14 @@ class KinematicAnalysis:
         return int(min(max(KINEMATIC_CALL_WORK / (n * min(n, DENSE_ELIMINATION)), 1), most))
 
     @property
+    def steps_at_once(self) -> int:
+        """Return how many steps the kernel is given at a time."""
+        return self._at_once(MOST_STEPS_A_ROW)
+
+    @property
     def _budget(self) -> int:
         """Attempts of a call; that the way is barred shows in what is left, and an assembly takes one."""
-        return self._at_once(MOST_STEPS_A_ROW) + 1
+        return self.steps_at_once + 1
 
     def follower(self) -> Callable[..., Any]:
         """The continuation of this mechanism, by dense or by sparse factors: see `continuation.follow`."""
@@ -222,7 +227,7 @@ class KinematicAnalysis:
         return rows_of(self.mechanism, times[:reached], out[:reached], audit[:reached])
 
     @property
-    def _search(self) -> Sized:
+    def search(self) -> Sized:
         """Sizes and distances, which the functions of the drivers do not change."""
         kept, arrays = self.arrays.of_variants, self.arrays
         if "sized" not in kept:
@@ -235,7 +240,7 @@ class KinematicAnalysis:
         """The first row on the assembly nearest to the estimates; Newton's method went far to `first`."""
         t, estimates = self.mechanism.time.time(0), self.arrays.q
         q, gap = assemble_by_search(self.evaluator, estimates, t, self.arrays.screw_angles, self.state[0])
-        kept, distance = (self.state, self.motion, self.clock), self._search.distance
+        kept, distance = (self.state, self.motion, self.clock), self.search.distance
         most = (1.0 - NEARER) * distance(estimates, self.state[0])
         if is_closed(gap) and distance(estimates, q) < most:
             self._restart(q)

@@ -90,16 +90,30 @@ def _axis_deviations(mechanism: Mechanism, rows: Rows) -> Iterator[tuple[Driver,
 
     The rates are compared with the fastest Euler parameter of the row: so far goes their round-off.
     """
-    orders = rows.euler_parameters, rows.euler_parameter_rates, rows.euler_parameter_accelerations
     for driver in _turning(mechanism):
-        a, b = (k for k in (1, 2, 3) if k != driver.direction - 3)
-        parts = np.array([order[:, driver.body, k] for k in (a, b) for order in orders])
-        if np.abs(parts).max() <= 0.5 * OFF_AXIS:
+        parts = _parts_off_axis(driver, rows)
+        if (np.abs(parts) <= 0.5 * OFF_AXIS).all():
             continue
-        rate, second = (np.abs(order).max(axis=(1, 2)) for order in orders[1:])
+        orders = rows.euler_parameter_rates, rows.euler_parameter_accelerations
+        rate, second = (np.abs(order).max(axis=(1, 2)) for order in orders)
         sizes = 1.0 + np.stack([0.0 * rate, rate, second + rate**2], axis=-1)
         off = np.hypot(parts[:3], parts[3:]).T
         yield driver, off, off > OFF_AXIS * sizes
+
+
+def on_axes(mechanism: Mechanism, rows: Rows) -> np.ndarray:
+    """Return in which rows (T,) all driven bodies keep their axes, whatever their parts are compared with."""
+    on = np.ones(rows.time.size, dtype=bool)
+    for driver in _turning(mechanism):
+        on &= (np.abs(_parts_off_axis(driver, rows)) <= 0.5 * OFF_AXIS).all(axis=0)
+    return on
+
+
+def _parts_off_axis(driver: Driver, rows: Rows) -> np.ndarray:
+    """Two parts of each of p, ṗ, p̈ (6, T) that a turn about the driver's axis does not have."""
+    orders = rows.euler_parameters, rows.euler_parameter_rates, rows.euler_parameter_accelerations
+    across = (k for k in (1, 2, 3) if k != driver.direction - 3)
+    return np.array([order[:, driver.body, k] for k in across for order in orders])
 
 
 def _message(driver: Driver, off: np.ndarray, off_axis: np.ndarray) -> str:

@@ -33,14 +33,23 @@ class Rows:
     newton_iterations: np.ndarray  # (T,) int64
 
 
-def rows_of(mechanism: Mechanism, times: np.ndarray, states: np.ndarray, audit: np.ndarray) -> Rows:
-    """Report rows from states (T, 3, 7 n): positions, velocities and accelerations of all coordinates."""
+def rows_of(
+    mechanism: Mechanism,
+    times: np.ndarray,
+    states: np.ndarray,
+    audit: np.ndarray,
+    s: np.ndarray | None = None,
+) -> Rows:
+    """Report rows from states (T, 3, 7 n): positions, velocities and accelerations of all coordinates.
+
+    s (T, points, 3): points of interest, body axes, m, where they are others in each row.
+    """
     q, qd, qdd = (states[:, k].reshape(len(times), -1, 7) for k in range(3))
+    if s is None:
+        s = np.array([point.s for point in mechanism.points], dtype=float).reshape(-1, 3)
+    bodies = np.array([point.body for point in mechanism.points], dtype=np.int64)
     return _RowsOfMotion(
-        mechanism,
-        q,
-        qd,
-        qdd,
+        (bodies, s, q, qd, qdd),
         time=np.asarray(times),
         position=q[:, :, :3],
         euler_parameters=q[:, :, 3:],
@@ -64,8 +73,8 @@ _RATES = {
 class _RowsOfMotion(Rows):
     """Rows that calculate angular and point motion when it is requested first: a sweep needs little of it."""
 
-    def __init__(self, mechanism: Mechanism, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, **fields: Any):
-        self.__dict__.update(fields, _motion=(mechanism, q, qd, qdd))
+    def __init__(self, motion_of_points: tuple[np.ndarray, ...], **fields: Any):
+        self.__dict__.update(fields, _motion=motion_of_points)
 
     def __getattr__(self, name: str) -> Any:
         if name in _RATES:
@@ -107,12 +116,10 @@ def twice_g(p: np.ndarray, rate: np.ndarray) -> np.ndarray:
 
 
 def point_motion(
-    mechanism: Mechanism, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray
+    bodies: np.ndarray, s: np.ndarray, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Position, velocity, acceleration (T, points, 3) of the points of interest, global axes."""
-    body = np.array([point.body for point in mechanism.points], dtype=np.int64)
-    s = np.array([point.s for point in mechanism.points], dtype=float).reshape(-1, 3)
-    q, qd, qdd = q[:, body], qd[:, body], qdd[:, body]
+    """Position, velocity, acceleration (T, points, 3) of the points s of bodies (points,), global axes."""
+    q, qd, qdd = q[:, bodies], qd[:, bodies], qdd[:, bodies]
     p, pd, pdd = q[..., 3:], qd[..., 3:], qdd[..., 3:]
     # A s = b(p, p) is quadratic in p, so its derivatives are 2 b(p, ṗ) and 2 b(ṗ, ṗ) + 2 b(p, p̈).
     return (
@@ -129,7 +136,7 @@ def rotated(p: np.ndarray, r: np.ndarray, s: np.ndarray) -> np.ndarray:
     """
     p0, p1, p2, p3 = (p[..., k] for k in range(4))
     r0, r1, r2, r3 = (r[..., k] for k in range(4))
-    x, y, z = s.T
+    x, y, z = (s[..., k] for k in range(3))
     rs, ps = r1 * x + r2 * y + r3 * z, p1 * x + p2 * y + p3 * z
     scalar = p0 * r0 - p1 * r1 - p2 * r2 - p3 * r3
     # p0 r × s + r0 p × s
