@@ -1,8 +1,8 @@
 """The shipped decks, and what a fresh process writes for them."""
 
-import ctypes
 import hashlib
 import os
+import platform
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -21,7 +21,9 @@ KINDS = {
     "vsdf": "vsdf/*.vsdf",
 }
 OF_LAPACK = "vsdf"  # the kind of deck whose results hold round-off of LAPACK
-CORE_NAMES = ("scipy_openblas_get_corename64_", "scipy_openblas_get_corename", "openblas_get_corename")
+# The code that OpenBLAS takes on every processor with AVX2, where it otherwise chooses by the processor: speeds
+# at the start (docs/theory/determinism.md) and flexible bodies have its round-off.
+ONE_PROCESSOR = {"OPENBLAS_CORETYPE": "Haswell"}
 SENTENCES = ("notes", "message")  # attributes that may be reworded without a change of any number
 
 
@@ -34,19 +36,8 @@ class Written:
 
 
 def linear_algebra() -> str:
-    """Return what the last digits of LAPACK depend on: processor, numpy and scipy, which bring their own."""
-    return f"{processor()},numpy-{np.__version__},scipy-{metadata.version('scipy')}"
-
-
-def processor() -> str:
-    """Return for which processor the OpenBLAS of numpy has chosen its code; "unknown" without OpenBLAS."""
-    library = ctypes.CDLL(np.linalg._umath_linalg.__file__)
-    for name in CORE_NAMES:
-        if hasattr(library, name):
-            function = getattr(library, name)
-            function.restype = ctypes.c_char_p
-            return function().decode()
-    return "unknown"
+    """Return what the last digits of LAPACK depend on beside ONE_PROCESSOR."""
+    return f"{platform.machine()},numpy-{np.__version__},scipy-{metadata.version('scipy')}"
 
 
 def shipped(kind: str, decks: Path = DECKS) -> list[Path]:
