@@ -4,9 +4,9 @@ What is right is proved by the other tests; the digests tell when any of it chan
 pinned by `scripts/determinism/run digests`, which writes `digests.txt` of the printed tables and
 `contents.txt` of numbers, names and units of the HDF5 results (the form of sha256sum) anew.
 
-Tables of VSDF decks hold what LAPACK leaves of zeros.  Where a digest is another there, the last rows count, to
-a ten-thousandth of the largest number of a line (`last_rows.txt`).  The HDF5 results of VSDF decks are compared
-with the numpy and scipy with which `contents.txt` was made.  Processors share the code of LAPACK here.
+Tables of VSDF decks hold what LAPACK leaves of zeros.  Where a digest is another there, the last rows count,
+to a ten-thousandth of the largest number of a line (`last_rows.txt`).  The HDF5 results of VSDF decks are
+compared with the numpy and scipy with which `contents.txt` was made.  Processors share the code of LAPACK here.
 """
 
 import hashlib
