@@ -6,7 +6,7 @@ pinned by `scripts/determinism/run digests`, which writes `digests.txt` of the p
 
 Tables of VSDF decks hold what LAPACK leaves of zeros.  Where a digest is another there, the last rows count,
 to a ten-thousandth of the largest number of a line (`last_rows.txt`).  The HDF5 results of VSDF decks are
-compared with the numpy and scipy with which `contents.txt` was made.  Processors share the code of LAPACK here.
+compared with the numpy and scipy of `contents.txt`.  Processors share the code of LAPACK here.
 """
 
 import hashlib
