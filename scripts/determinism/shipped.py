@@ -21,8 +21,8 @@ KINDS = {
     "vsdf": "vsdf/*.vsdf",
 }
 OF_LAPACK = "vsdf"  # the kind of deck whose results hold round-off of LAPACK
-# One code of OpenBLAS for every processor with AVX2, where it otherwise chooses by the processor: speeds at the
-# start (docs/theory/determinism.md) and flexible bodies have its round-off.
+# One code of OpenBLAS for every processor with AVX2, where it otherwise chooses by the processor: speeds at
+# the start (docs/theory/determinism.md) and flexible bodies have its round-off.
 ONE_PROCESSOR = {"OPENBLAS_CORETYPE": "Haswell"}
 SENTENCES = ("notes", "message")  # attributes that may be reworded without a change of any number
 
