@@ -48,7 +48,7 @@ def allocating(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def plain(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A kernel that only makes or divides arrays, which no object can return: Python runs it as it is."""
+    """A kernel that Python runs as it is: it only makes or divides arrays, or is asked once at the start."""
     return function if _never_compiled else PlainEntry(function, OPTIONS)
 
 

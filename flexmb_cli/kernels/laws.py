@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ._jit import kernel
+from ._jit import kernel, plain
 from .constrained.time_functions import function_values
 
 # The codes of model.laws; a test compares them.
@@ -24,7 +24,7 @@ SMALL = 1e-6  # of the creep speed: tanh(x)/x is 1 there
 NO_LENGTH = 1e-300  # m, and m² of its square: a line that short has no direction
 
 
-@kernel
+@plain
 def answer_law(
     law: np.void, functions: np.ndarray, knots: np.ndarray, t: float, directed: bool, answer: np.ndarray
 ) -> float:

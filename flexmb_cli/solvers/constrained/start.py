@@ -3,6 +3,7 @@
 Of many bodies both are found by sparse matrices.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -90,13 +91,13 @@ def rate_equations(
     rows = np.zeros((len(rates), speeds))
     for row, item in zip(rows, rates, strict=True):
         joint = joints[item.joint]
-        s_i = np.array(joint.s_i) / np.linalg.norm(joint.s_i)
+        s_i = np.array(joint.s_i) / math.hypot(*joint.s_i)
         A_i, A_j = (_attitude(q, body) for body in (joint.i, joint.j))
-        s = A_i @ s_i
+        s = _times(A_i, s_i)
         for body, A, P, sign in ((joint.i, A_i, joint.P_i, -1.0), (joint.j, A_j, joint.P_j, 1.0)):
             if body < 0:
                 continue
-            along, at = A.T @ s, 6 * body
+            along, at = _times(A.T, s), 6 * body
             if item.coordinate == ANGLE:
                 row[at + 3 : at + 6] += sign * along
             else:
@@ -149,6 +150,7 @@ def _places_in_bodies(arrays: SystemArrays) -> tuple[np.ndarray, np.ndarray]:
     return owners, own
 
 
+KEPT_BITS = 36  # of the largest speed, with round-off of LAPACK beyond them
 FITS = 1e-6  # of the largest speed: what given speeds may be changed without a warning
 MASSLESS = 1e-13  # eigenvalue of the scaled mass matrix, of the largest
 WEIGHTLESS = 1e-7  # singular value, of the largest: the root of a mass matrix keeps no smaller one
@@ -181,13 +183,14 @@ def start_speeds(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> np.n
         equations = tuple(equations[k] for k in kept)
         kept = np.append(kept, np.arange(len(work.jacobian), len(J)))
         J, nu = J[kept], nu[kept]
-    particular = np.linalg.lstsq(J, nu, rcond=DEPENDENT)[0] if len(nu) else np.zeros(scale.size)
+    particular = _shortest(J, nu)
     _refuse_contradiction(equations, names, J @ particular - nu, t)
     rank = np.linalg.matrix_rank(J, DEPENDENT * np.linalg.norm(J, 2)) if names else work.rank[0]
     motions = np.linalg.svd(J)[2][rank:].T
-    rest = (wanted / scale - particular)[given]
-    free = _nearest(motions[given], rest)
-    u = (particular + motions @ free) * scale
+    x = _rounded(particular + _nearest(motions, given, wanted / scale - particular), KEPT_BITS)
+    correction = _shortest(J, nu - _times(J, x))
+    x += correction + _nearest(motions, given, wanted / scale - x - correction)
+    u = _rounded(x, 2 * KEPT_BITS) * scale
     if np.max(_changes(analysis, u, wanted, given), initial=0.0) > 0.0:
         u = _after_impulse(analysis, q, particular, motions, wanted, given)
     _warn_of_change(analysis, u, wanted, given)
@@ -227,12 +230,31 @@ def _speeds_of_many(
     return found
 
 
-def _nearest(motions: np.ndarray, rest: np.ndarray) -> Any:
-    """Return the smallest shares of `motions`, columns of which some speeds are known, that give `rest`."""
-    # What moves none of the known speeds but by round-off has no share in them.
-    if np.linalg.norm(motions) <= DEPENDENT:
-        return np.zeros(motions.shape[1])
-    return np.linalg.lstsq(motions, rest, rcond=1e-12)[0]
+def _shortest(J: np.ndarray, nu: np.ndarray) -> Any:
+    """Return the smallest scaled speeds (n,) with J x = nu."""
+    return np.linalg.lstsq(J, nu, rcond=DEPENDENT)[0] if len(nu) else np.zeros(J.shape[1])
+
+
+def _nearest(motions: np.ndarray, given: np.ndarray, rest: np.ndarray) -> Any:
+    """Return the smallest sum (n,) of `motions`, columns, nearest to `rest` where speeds are given."""
+    # What moves none of the given speeds but by round-off has no share in them.
+    if np.linalg.norm(motions[given]) <= DEPENDENT:
+        return np.zeros(len(motions))
+    return motions @ np.linalg.lstsq(motions[given], rest[given], rcond=1e-12)[0]
+
+
+def _rounded(x: np.ndarray, bits: int) -> np.ndarray:
+    """Return x (n,) to so many bits of the largest: without the digits in which LAPACK differs by processor.
+
+    A correction of an x rounded so differs by so little that twice as many bits have nothing of it.
+    """
+    least = 2.0 ** (math.frexp(np.max(np.abs(x), initial=0.0))[1] - bits)
+    return np.round(x / least) * least
+
+
+def _times(A: np.ndarray, x: np.ndarray) -> Any:
+    """Return A x (m,) summed in order: BLAS chooses its order by the processor."""
+    return np.cumsum(A * x, axis=1)[:, -1] if A.size else np.zeros(len(A))
 
 
 def _after_impulse(
