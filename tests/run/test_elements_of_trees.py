@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import h5py
 import numpy as np
 import pytest
 
@@ -341,6 +342,31 @@ def test_a_stopped_run_goes_on_to_the_same_bytes(tmp_path, monkeypatch):
     run(path, tmp_path / "whole")
     first = run(path, tmp_path / "stopped", stop_after(2))
     assert (first.exit_code, first.rows, first.resumable) == (130, 6, True)
+    assert run(path, tmp_path / "stopped", resume=True).exit_code == 0
+    for ending in ENDINGS:
+        assert (tmp_path / f"stopped/x.{ending}").read_bytes() == (
+            tmp_path / f"whole/x.{ending}"
+        ).read_bytes()
+
+
+def test_a_run_stopped_in_the_step_before_a_contact_goes_on_to_the_same_bytes(tmp_path, monkeypatch):
+    """The step is made again: as long as it was tried, not as the contact cut it, or the next one differs."""
+    monkeypatch.setattr(tree_analysis, "LARGEST_BLOCK", 1)
+    contact = "CONTACT floor plane-sphere from=0(0,-0.9,0) to=2(0.6,0,0) normal=(0,1,0) radius_to=0.05"
+    text = deck(f"ELEMENTS\n  {contact} stiffness=1e5 damping=0.3")
+    for old, new in (
+        ("    5\n       0.1\n", "   60\n      0.01\n"),
+        ("E-12    1.000E-13", "E-07    1.000E-08"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    path = tmp_path / "x.DAT"
+    path.write_text(text)
+    run(path, tmp_path / "whole")
+    with h5py.File(tmp_path / "whole/x.h5") as file:
+        touch = np.unique(file["contact/changed"][:])[1]
+    first = run(path, tmp_path / "stopped", stop_after(math.floor(touch / 0.01) + 1))
+    assert (first.exit_code, first.resumable) == (130, True)
     assert run(path, tmp_path / "stopped", resume=True).exit_code == 0
     for ending in ENDINGS:
         assert (tmp_path / f"stopped/x.{ending}").read_bytes() == (

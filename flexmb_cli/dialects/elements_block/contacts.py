@@ -56,8 +56,21 @@ def _check_size(line: ElementLine, measures: Measures, key: str, value: Any) -> 
 
 
 def _check_law(line: ElementLine, measures: Measures) -> None:
-    """Refuse a coefficient of restitution that is none, that has no speed, or that damping contradicts."""
+    """Refuse a coefficient of restitution that is none, that has no speed, or that damping contradicts.
+
+    Numbers of which the law takes no notice are named.
+    """
+    findings, sliding = measures.findings, line["friction"]
+    if 0.0 < line["static"] < sliding:
+        message = (
+            f"static {line['static']:g} is less than friction {sliding:g}, which then holds at all speeds; "
+            "are the numbers exchanged?"
+        )
+        findings.warn(line.subject, message, line.place_of("static"), id="ELEMENTS-071")
     if line["restitution"] == 1.0:
+        if line["speed"]:
+            message = "speed says nothing where restitution is 1"
+            findings.note(line.subject, message, line.place_of("speed"), id="ELEMENTS-072")
         return
     if line["restitution"] > 1.0:
         message = f"restitution must not be larger than 1; read {line['restitution']:g}"
@@ -67,4 +80,4 @@ def _check_law(line: ElementLine, measures: Measures) -> None:
         message = "damping and restitution say the same; remove one of them"
     else:
         return
-    measures.findings.error(line.subject, message, line.place_of("restitution"), id="ELEMENTS-069")
+    findings.error(line.subject, message, line.place_of("restitution"), id="ELEMENTS-069")

@@ -28,6 +28,7 @@ CLOCK = np.dtype(
         ("next", np.float64),  # time of the next report row, s
         ("step_start", np.float64),  # start of the last accepted step, s
         ("step_length", np.float64),  # its length, s, 0 before the first
+        ("step_tried", np.float64),  # its length before a contact cut it, s: a step made again begins with it
         ("step_rejected", np.int64),  # `rejected` when it was tried
         ("rejected", np.int64),  # failed attempts before the one that is tried; explicit methods: 0 or 1
         ("longest", np.float64),  # accepted step so far, s; 0: short steps need no agreement

@@ -94,6 +94,7 @@ def _steps(method: Method):
                 if factor <= 0.0:
                     h = clock["length"]
             if factor > 0.0:
+                clock["step_tried"] = h
                 landed, code = clock["length"] < h, accept(integration, factor, *arrays)
                 if landed and clock["rejected"] == 0:
                     clock["step"] = max(clock["step"], h)

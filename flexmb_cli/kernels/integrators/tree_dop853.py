@@ -135,7 +135,8 @@ def _take_back(integration: Integration, place: int) -> None:
     clock = integration.clock[0]
     clock["t"], clock["step"] = clock["step_start"], 0.2 * clock["step_length"]
     # A resumed run begins with the shorter step too.
-    clock["step_length"], clock["rejected"], clock["step_rejected"] = clock["step"], 1, 1
+    clock["step_length"] = clock["step_tried"] = clock["step"]
+    clock["rejected"] = clock["step_rejected"] = 1
     clock["worst"], clock["strayed"] = place, 1
     clock["rejections"] += 1
     clock["steps"] -= 1
@@ -276,5 +277,6 @@ def _choose_first_step(
     second = (0.01 / steepest) ** 0.125 if steepest > 1e-15 else max(1e-6, 1e-3 * first)
     clock["step"] = min(100.0 * first, second)
     clock["step_start"], clock["step_length"] = clock["t"], clock["step"]
+    clock["step_tried"] = clock["step"]
     clock["rejected"] = clock["step_rejected"] = 0
     return READY

@@ -18,7 +18,7 @@ from ...model.arrays.system import SystemArrays
 from ...model.equations import DEPENDENT
 from ...model.integrators import Integrator
 from ...model.joint_elements import JointElements
-from ...model.laws import STOP, Element
+from ...model.laws import Element
 from ...model.loads import InitialVelocity
 from ...model.mechanism import TimeGrid
 from ..assembly import TO_GAP
@@ -27,7 +27,7 @@ from ..singular.dynamic_singularities import PassedDynamicSingularities, is_sing
 from ..singular.mobility import Mobility
 from ..singular.overconstrained_loops import choose_far_apart, gap_note, independence
 from .breakpoints import breakpoints, jumps_of_accelerations, warn_of_fine_tables
-from .elements_at_start import notes_of_pressed_stops, refuse_coinciding_ends
+from .elements_at_start import notes_of_pressed_elements, refuse_coinciding_ends
 from .failures import force_failure, note_undetermined_rows, repetition, rows_with_forces, step_failure
 from .first_position import assemble
 from .integrators import Steps
@@ -242,8 +242,7 @@ class ConstrainedMotion(ABC):
         self.clock["t"] = self.grid.start
         self.clock["stop"] = self.grid.time(self.grid.rows - 1)
         self._begin()
-        stops = self.elements.of(STOP)
-        self.warnings += notes_of_pressed_stops(stops, self.arrays.loads, self.work.responses)
+        self.warnings += notes_of_pressed_elements(self.elements, self.arrays.loads, self.work.responses)
         return found
 
     def start_position(self) -> Mobility:

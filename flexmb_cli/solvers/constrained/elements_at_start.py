@@ -1,4 +1,4 @@
-"""Elements at the start of a run: those in line whose ends coincide, and end stops that are pressed."""
+"""Elements at the start of a run: lines whose ends coincide, stops that are pressed, shapes that overlap."""
 
 from collections.abc import Iterable, Iterator
 
@@ -8,7 +8,8 @@ from ...errors import Fault, ModelError
 from ...kernels.constrained.body_vectors import VECTOR
 from ...kernels.constrained.system import System, Work
 from ...kernels.laws import ANSWER_COLUMNS, COORDINATE, EFFORT, answer_law
-from ...model.laws import STOP, Element, Line
+from ...model.joint_elements import JointElements
+from ...model.laws import CONTACT, STOP, Element, Line
 from ..compilation import interpreting
 
 # Of the longest length among its values, or m where they are 0: what assembly leaves between points that
@@ -67,13 +68,27 @@ def _fault(line: Element, force: float, t: float) -> Fault:
     return Fault("error", message, line.place, line.name, id="SOLVE-042")
 
 
-def notes_of_pressed_stops(
-    stops: tuple[Element, ...], loads: np.ndarray, responses: np.ndarray
+def notes_of_pressed_elements(
+    elements: JointElements, loads: np.ndarray, responses: np.ndarray
 ) -> Iterator[Fault]:
-    """Yield a note for each stop that pushes at the start; responses (loads, columns) belong to it."""
-    for stop, k in zip(stops, np.flatnonzero(loads["shape"] == STOP.code), strict=True):
+    """Yield a note for each stop and contact that pushes at the start; responses (loads, columns)."""
+    yield from _pressed_stops(elements.of(STOP), responses[np.flatnonzero(loads["shape"] == STOP.code)])
+    points = np.flatnonzero(loads["shape"] == CONTACT.code)
+    for contact in elements.of(CONTACT):
+        own, points = np.split(points, [len(contact.parts)])
+        deepest = responses[own[np.argmin(responses[own, COORDINATE])]]
+        if deepest[EFFORT] != 0.0:
+            message = (
+                f"its shapes overlap by {-deepest[COORDINATE]:.4g} m at the start and push with "
+                f"{deepest[EFFORT]:.4g} N; correct shapes or the position at the start if that is not meant"
+            )
+            yield Fault("note", message, contact.place, contact.name, id="SOLVE-062")
+
+
+def _pressed_stops(stops: Iterable[Element], answers: np.ndarray) -> Iterator[Fault]:
+    for stop, answer in zip(stops, answers, strict=True):
         length, force = ("rad", "N m") if stop.turning else ("m", "N")
-        effort, x = responses[k, EFFORT], responses[k, COORDINATE]
+        effort, x = answer[EFFORT], answer[COORDINATE]
         if effort != 0.0:
             depth = max(x - stop["upper"], stop["lower"] - x)
             message = (

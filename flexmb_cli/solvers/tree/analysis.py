@@ -79,7 +79,7 @@ class TreeAnalysis:
         """
         assert self.attitude is not None, "rows have been yielded"
         clock = self.clock.copy()
-        clock["t"], clock["step"] = clock["step_start"], clock["step_length"]
+        clock["t"], clock["step"] = clock["step_start"], clock["step_tried"]
         clock["rejected"] = clock["step_rejected"]
         # The step that is made again is no second try of itself.
         clock["length"] = np.inf

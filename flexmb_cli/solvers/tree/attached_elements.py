@@ -9,9 +9,9 @@ from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...kernels.laws import COORDINATE, NORMAL
 from ...model.arrays.tree_elements import IN_LINE, OF_BUSHING
-from ...model.laws import BUSHING, STOP, parts_in_arrays
+from ...model.laws import BUSHING, parts_in_arrays
 from ...model.tree import Tree
-from ..constrained.elements_at_start import notes_of_pressed_stops, refuse_undirected_lines
+from ..constrained.elements_at_start import notes_of_pressed_elements, refuse_undirected_lines
 from ..constrained.failures import bushing_failure, jam_failure
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def attach_elements(analysis: "TreeAnalysis") -> None:
     lines = elements["measure"] == IN_LINE
     functions = arrays.curves, arrays.knots
     refuse_undirected_lines(analysis.tree.elements.forces, elements[lines], lengths[lines], functions, t)
-    analysis.warnings += notes_of_pressed_stops(analysis.tree.elements.of(STOP), elements, arrays.answers)
+    analysis.warnings += notes_of_pressed_elements(analysis.tree.elements, elements, arrays.answers)
     if failure := lost_force(analysis.tree, arrays.answers, t):
         raise failure
 

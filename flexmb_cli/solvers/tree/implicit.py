@@ -36,10 +36,10 @@ def implicit_rows(analysis: "TreeAnalysis") -> Iterator[TreeRows]:
             analysis.arrays, analysis.work, analysis.coordinates, integration, report, budget
         )
 
-    start = clock["step_start"].copy(), clock["step_length"].copy()
+    start = clock["step_start"].copy(), clock["step_tried"].copy()
     for block in analysis.rows_of_steps(integrate_rows):
         # A stopped run continues from the last breakpoint: the matrix has no other memory.
-        last = clock["step_start"].copy(), clock["step_length"].copy()
-        clock["step_start"], clock["step_length"] = start
+        last = clock["step_start"].copy(), clock["step_tried"].copy()
+        clock["step_start"], clock["step_tried"] = start
         yield block
-        clock["step_start"], clock["step_length"] = last
+        clock["step_start"], clock["step_tried"] = last

@@ -50,6 +50,13 @@ def errors(text):
     ]
 
 
+def notes(text):
+    found = read(text)
+    _, faults = dialect_named(found.dialect).build(found, Path())
+    return [f"{f.place.line}:{f.place.column}: {f.severity}: {f.sentence}" for f in faults if f.place]
+
+
+PLANE = "from=0(0,0,0) to=2(0,0,0) normal=(0,0,1) stiffness=1"
 USAGE = (
     "SPRING name (at=2.angle | from=1(x,y,z) to=1(x,y,z)) [stiffness=…] [rest=…] [damping=…] [preload=…] "
     "[curve=function] [damper=function]"
@@ -112,6 +119,13 @@ USAGE = (
         ("  COUPLING c 2.angle=0 2.angle=3", "7:24: c: 2.angle is given twice; remove one"),
         ("  FRICTION f joint=2 dynamic=0.1 static=0.1 stribeck=1 creep=1e-4",
          "7:3: f: a joint that turns needs the radius of its bearing"),
+        (f"  CONTACT c plane-sphere {PLANE} restitution=0.5",
+         "7:3: c: plane-sphere needs radius_to=; its shapes have normal and radius_to"),
+        (f"  CONTACT c plane-sphere {PLANE} radius_to=1 size_to=(1,1,1)",
+         "7:3: c: plane-sphere has no size_to; its shapes have normal and radius_to"),
+        (f"  CONTACT c plane-sphere {PLANE} radius_to=1 restitution=0.5",
+         "7:103: c: restitution needs the speed of approach at which it holds: speed="),
+        (f"  CONTACT c plane-sphere {PLANE} radius_to=0", "7:89: c: radius_to must be larger than 0; read 0"),
         ("  START at=2.angle rate=x", "7:25: start-1: rate must be a number; read 'x'"),
         ("  JOINT l revsph from=0(1,0,0) to=2(0,0,0) length=1",
          "7:3: l: revsph takes axis_from= and length=, and no other of axis_from, axis_to, length"),
@@ -129,6 +143,20 @@ USAGE = (
 )  # fmt: skip
 def test_a_slip_is_reported_with_place_object_and_remedy(line, wanted):
     assert wanted in errors(young(line))
+
+
+@pytest.mark.parametrize(
+    ("numbers", "wanted"),
+    [
+        ("friction=0.3 static=0.1", "7:111: warning: c: static 0.1 is less than friction 0.3, which then"),
+        ("speed=2", "7:97: note: c: speed says nothing where restitution is 1"),
+    ],
+)  # fmt: skip
+def test_numbers_of_contacts_without_effect_are_named(numbers, wanted):
+    assert any(
+        one.startswith(wanted)
+        for one in notes(young(f"  CONTACT c plane-sphere {PLANE} radius_to=1 {numbers}"))
+    )
 
 
 OUTSIDE = "stands outside a block; a line ELEMENTS before it, in column 1, opens one"

@@ -188,6 +188,7 @@ def test_every_dynamic_deck_stands_in_the_readme():
             "IN-BRICARD",
             "IN-ANDREWS",
             "IN-ARM",
+            "IN-BALL",
             "IN-CAM",
             "IN-ELEMENTS",
             "IN-LINK",

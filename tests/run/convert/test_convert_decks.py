@@ -51,6 +51,8 @@ CONVERTED = {
 # Of those with dynamics, or of rigid bodies, why the others are refused.
 REFUSED = {
     ("young/dynamics/IN-ANDREWS.dat", "dafms"): "revolute joint 6: the joint closes a loop",
+    ("young/dynamics/IN-BALL.dat", "vsdf"): "contacts do not convert",
+    ("young/dynamics/IN-BALL.dat", "dafms"): "contacts do not convert",
     ("young/dynamics/IN-BRICARD.dat", "dafms"): "closes a loop",
     ("young/dynamics/IN-RSSR-MASS.dat", "vsdf"): "simplified constraint 1: a held Euler parameter",
     ("young/dynamics/IN-RSSR-MASS.dat", "dafms"): "simplified constraint 1: a held Euler parameter",

@@ -12,7 +12,7 @@ from flexmb_cli.model.arrays import contacts as arrays
 from flexmb_cli.model.laws import CONTACT, PAIRS
 from tests.dialects.dafms.test_dafms_elements import rows_of as dafms_rows
 from tests.dialects.vsdf.test_elements import rows_of as vsdf_rows
-from tests.solvers.constrained.element_decks import FREE
+from tests.solvers.constrained.element_decks import FREE, analysis_of, model_of
 from tests.solvers.constrained.element_decks import rows_of as young_rows
 
 EXPLICIT, IMPLICIT = "explicit", "implicit"
@@ -165,3 +165,17 @@ def test_a_ball_bounces_in_flights_of_the_closed_form():
     assert rows.contact_touches[-1, 0] == 1.0 + (1.2 - first) // (2.0 * v / 9.81)
     assert changes[0] == pytest.approx(first, abs=1e-9)
     assert rows.kinetic.max() <= 0.5 * bounce.m * v**2 * (1.0 + 1e-3)
+
+
+@pytest.mark.parametrize("height, noted", [(0.03, True), (0.06, False)])
+def test_shapes_that_overlap_at_the_start_are_noted_once_with_depth_and_force(height, noted):
+    """A box of edges 0.1 m, four corners 0.05 m below its centre: 1e4 N/m at 0.02 m each."""
+    deck = FREE.replace("0 0 0 1 0 0 0\n1 0", f"0 0 {height} 1 0 0 0\n1 0", 1)
+    box = "CONTACT box plane-box from=0(0,0,0) to=2(0,0,0) normal=(0,0,1) size_to=(0.1,0.1,0.1) stiffness=1e4"
+    ball = "CONTACT far plane-sphere from=0(0,0,-1) to=2(0,0,0) normal=(0,0,1) radius_to=0.1 stiffness=1e4"
+    cards = f"MASS 2 1 0 0 0 1 1 1\nELEMENTS\n  {ball}\n  {box}"
+    analysis = analysis_of(model_of(deck, "0 1 1", cards))
+    analysis.start()
+    found = [fault for fault in analysis.warnings if "overlap" in fault.message]
+    assert [(fault.subject, fault.severity) for fault in found] == noted * [("box", "note")]
+    assert all("overlap by 0.02 m at the start and push with 200 N;" in fault.message for fault in found)
