@@ -16,7 +16,7 @@ def touch_of(line: ElementLine, measures: Measures, ends: tuple[Any, ...]) -> To
     first, second = line.kind.split("-")
     wanted = (*OF_FIRST[first], *OF_SECOND[second])
     given = [key for key in _KEYS if key in line or f"{key}.x" in line]
-    before = len(measures.findings.faults)
+    before = _errors(measures)
     for key in wanted:
         if key not in given:
             message = f"{line.kind} needs {key}=; its shapes have {' and '.join(wanted)}"
@@ -26,12 +26,12 @@ def touch_of(line: ElementLine, measures: Measures, ends: tuple[Any, ...]) -> To
             message = f"{line.kind} has no {key}; its shapes have {' and '.join(wanted)}"
             measures.findings.error(line.subject, message, line.place, id="ELEMENTS-067")
     _check_law(line, measures)
-    if len(measures.findings.faults) > before:
+    if _errors(measures) > before:
         return None
     shapes = {key: line[key] if key.startswith("radius") else line.vector(key) for key in wanted}
     for key, value in shapes.items():
         _check_size(line, measures, key, value)
-    if len(measures.findings.faults) > before:
+    if _errors(measures) > before:
         return None
     fields: dict[str, Any] = {
         key.replace("from", "i").replace("to", "j"): value for key, value in shapes.items()
@@ -40,6 +40,10 @@ def touch_of(line: ElementLine, measures: Measures, ends: tuple[Any, ...]) -> To
         fields["axis_i"] = tuple(x / math.hypot(*normal) for x in normal)
     i, j, P_i, P_j = ends
     return Touch(i, j, P_i, P_j, first, second, **fields)
+
+
+def _errors(measures: Measures) -> int:
+    return sum(fault.severity == "error" for fault in measures.findings.faults)
 
 
 def _check_size(line: ElementLine, measures: Measures, key: str, value: Any) -> None:

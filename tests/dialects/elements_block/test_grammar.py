@@ -52,7 +52,8 @@ def errors(text):
 
 def notes(text):
     found = read(text)
-    _, faults = dialect_named(found.dialect).build(found, Path())
+    model, faults = dialect_named(found.dialect).build(found, Path())
+    assert model.elements.forces, "a note drops no element"
     return [f"{f.place.line}:{f.place.column}: {f.severity}: {f.sentence}" for f in faults if f.place]
 
 
