@@ -48,7 +48,7 @@ def allocating(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def plain(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A kernel that Python runs as it is: it only makes or divides arrays, or is asked once at the start."""
+    """A kernel that Python runs as it is: it only makes or divides arrays, or is called once at the start."""
     return function if _never_compiled else PlainEntry(function, OPTIONS)
 
 
