@@ -54,15 +54,15 @@ def bytes_of(parts):
 def kept_in(parts, cases, size):
     """How many cases are kept, in blocks of `size`."""
     blocks = (range(k, min(k + size, cases)) for k in range(0, cases, size))
-    form = RecordForm(parameters=2, values=1, series=0, rows=0)  # of SAMPLED
+    form = RecordForm(parameters=2, values=1, series=0, rows=0)  # of SAMPLED and OWN_MODELS
     return sum(len(list(Parts(str(parts), {}, form).stored(k, block))) for k, block in enumerate(blocks))
 
 
 @pytest.mark.parametrize("jobs", [pytest.param("1", marks=pytest.mark.campaign), "2"])
 def test_a_study_killed_again_and_again_ends_with_the_bytes_of_an_undisturbed_one(tmp_path, jobs):
     whole, killed = tmp_path / "whole", tmp_path / "killed"
-    flexmb("sweep", written(whole, SAMPLED, count=400), "-q", cwd=whole)
-    study, sizes = written(killed, SAMPLED, count=400), random.Random(11)
+    flexmb("sweep", written(whole, OWN_MODELS, count=400), "-q", cwd=whole)
+    study, sizes = written(killed, OWN_MODELS, count=400), random.Random(11)
     parts, kept = killed / "study.h5.parts", [0]
     while not (killed / "study.h5").exists():
         Killed(study, killed, "-j", jobs).once_more_is_kept(parts, sizes.randrange(1, 8000))
@@ -73,7 +73,7 @@ def test_a_study_killed_again_and_again_ends_with_the_bytes_of_an_undisturbed_on
 
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_the_cases_that_an_interrupted_sweep_tells_of_are_those_kept(tmp_path, jobs):
-    study, parts = written(tmp_path, SAMPLED, count=400), tmp_path / "study.h5.parts"
+    study, parts = written(tmp_path, OWN_MODELS, count=400), tmp_path / "study.h5.parts"
     command = [*FLEXMB, "sweep", str(study), "-j", jobs, "--json"]
     # A suite that runs in the background of a shell ignores SIGINT, and so would its children.
     heeding = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)}
@@ -95,7 +95,7 @@ def test_the_cases_that_an_interrupted_sweep_tells_of_are_those_kept(tmp_path, j
 @pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="needs to know the children of a process")
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGHUP])
 def test_a_terminal_that_stops_a_sweep_whose_processes_begin_sees_no_traceback(tmp_path, sent):
-    study = written(tmp_path, SAMPLED, count=400)
+    study = written(tmp_path, OWN_MODELS, count=400)
     # A suite in the background, or under nohup, ignores one or the other.
     heeding = {"preexec_fn": lambda: signal.signal(sent, signal.SIG_DFL)}
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
@@ -112,7 +112,7 @@ def test_a_terminal_that_stops_a_sweep_whose_processes_begin_sees_no_traceback(t
 
 def test_a_worker_that_is_killed_is_replaced(tmp_path):
     """Its blocks go on with the case that was being solved."""
-    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=300)), str(tmp_path / "parts"))
+    sweep = Sweep.of(str(written(tmp_path, OWN_MODELS, count=300)), str(tmp_path / "parts"))
     kills, reported = set(), []
 
     def advance(cases):
@@ -190,7 +190,7 @@ def test_a_case_that_ends_its_process_three_times_is_recorded(tmp_path):
 
 
 def test_the_torn_end_of_a_part_does_not_count(tmp_path):
-    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=400)), str(tmp_path / "parts"))
+    sweep = Sweep.of(str(written(tmp_path, OWN_MODELS, count=400)), str(tmp_path / "parts"))
     solve_block(sweep.job, 0)
     part = tmp_path / "parts/block-00000000.part"
     whole = part.read_bytes()
@@ -236,7 +236,7 @@ def test_a_damaged_length_of_a_case_takes_no_memory(tmp_path):
 
 def test_records_that_are_no_cases_count_as_torn(tmp_path):
     """Their checksums are right: zeros behind a loss of power, a message beyond the end, half a number."""
-    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=400)), str(tmp_path / "parts"))
+    sweep = Sweep.of(str(written(tmp_path, OWN_MODELS, count=400)), str(tmp_path / "parts"))
     solve_block(sweep.job, 0)
     part = next((tmp_path / "parts").glob("*.part"))
     whole = part.read_bytes()
