@@ -69,7 +69,7 @@ def _closest(sized: Sized, instant: Instant, q: np.ndarray, columns: np.ndarray)
     found = finish(q)
     if is_closed(found[1]) and sized.is_near(q, found[0]):
         return found
-    return nearest_of(sized, q, finish, columns, known=[found])
+    return nearest_of(sized, q, finish, columns)
 
 
 APART = 1e-2  # of the mechanism's size; of unit vectors

@@ -239,7 +239,7 @@ class KinematicAnalysis:
     def _nearer_row(self, first: Rows) -> Rows:
         """The first row on the assembly nearest to the estimates; Newton's method went far to `first`."""
         t, estimates = self.mechanism.time.time(0), self.arrays.q
-        q, gap = assemble_by_search(self.evaluator, estimates, t, self.arrays.screw_angles, self.state[0])
+        q, gap = assemble_by_search(self.evaluator, estimates, t, self.arrays.screw_angles)
         kept, distance = (self.state, self.motion, self.clock), self.search.distance
         most = (1.0 - NEARER) * distance(estimates, self.state[0])
         if is_closed(gap) and distance(estimates, q) < most:

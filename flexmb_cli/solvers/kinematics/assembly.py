@@ -146,12 +146,11 @@ POLISH = Corrections(met=1e-13, most=20, dependent=DEPENDENT, hopeless=1e-6)
 
 
 def assemble_by_search(
-    evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray, known: np.ndarray | None = None
+    evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """The position (7 n,) nearest to the estimates q (7 n,) that meets the equations, and its residual (m,).
 
-    Where none does, that which meets them best.  `expected`: angles of screws, rad; `known` (7 n,): the
-    position that Newton's method finds.
+    Where none does, that which meets them best.  `expected`: angles of screws, rad.
     """
     instant = Instant(evaluator, t, expected)
 
@@ -159,7 +158,7 @@ def assemble_by_search(
         return instant.at(found) if evaluator.is_large else project(instant, found, POLISH, improving)
 
     sized = sized_equations(evaluator, q, t, expected)
-    found, gap = nearest_of(sized, q, finish, known=[] if known is None else [instant.at(known)])
+    found, gap = nearest_of(sized, q, finish)
     return (found, gap) if is_closed(gap) else nearest_position(evaluator, found, t, expected)
 
 
