@@ -95,7 +95,7 @@ def test_jump_within_no_time_is_refused_with_its_two_times(tmp_path, method):
     ("end", "cards", "words"),
     [
         ("1.500000005", "", ""),
-        # As plain Python the second formulation stops behind the jump at 1.5 s (SOLVE-047); the cause is not known.
+        # As plain Python the second formulation stops after the jump (SOLVE-047); the cause is not known.
         pytest.param("1.5001", SPRING, "", marks=pytest.mark.long_motion),
         ("1.500000005", SPRING, "changes between 1.5 and 1.500000005 s"),
     ],
