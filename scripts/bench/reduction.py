@@ -4,7 +4,8 @@
 
 Processes of their own take turns; times are their processor seconds, of flexmb with its imports and with what
 reading takes, of `eigsh` of its call alone.  The error is that of the frequencies against `eigsh`, whose
-matrices are those in memory, while the files have fourteen digits.  `kept`: a run that finds the body kept.
+matrices are those in memory, while the files have fourteen digits.  Without `eigsh`, a second run finds the
+body kept.
 """
 
 import argparse
@@ -71,8 +72,12 @@ def child(name, folder):
     print(json.dumps([list(frequencies), seconds, peak]))
 
 
-def compare(body, count, with_eigsh):
-    """Print the row of a body with about `count` nodes."""
+def compared(body, count, with_eigsh=True):
+    """Compare a body of about `count` nodes with `eigsh`.
+
+    Returns the number of nodes, (seconds, GB) of flexmb with its imports, of `eigsh` and, last, the error of
+    the frequencies; without `eigsh`, (seconds,) of the body kept stand there.
+    """
     make, size = BODIES[body]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -82,12 +87,22 @@ def compare(body, count, with_eigsh):
         free = np.setdiff1d(np.arange(3 * len(places)), (3 * held[:, None] + np.arange(3)).ravel())
         for letter, A in (("K", K), ("M", sparse.kron(M, sparse.identity(3)).tocsc())):
             sparse.save_npz(folder / f"{letter}.npz", A[free][:, free])
-        found, seconds, peak = measured(folder, "flexmb")
-        row = f"{body:10} {len(places):7d} {seconds:9.2f} {peak:5.2f} {measured(folder, 'flexmb')[1]:5.2f}"
-        if with_eigsh:
-            wanted, alone, most = measured(folder, "eigsh")
-            row += f" {alone:8.2f} {most:5.2f} {seconds / alone:6.2f} {np.abs(found / wanted - 1).max():8.1e}"
-        print(row, flush=True)
+        found, *own = measured(folder, "flexmb")
+        if not with_eigsh:
+            return len(places), own, measured(folder, "flexmb")[1:2], None
+        wanted, *alone = measured(folder, "eigsh")
+    return len(places), own, alone, np.abs(found / wanted - 1).max()
+
+
+def compare(body, count, with_eigsh):
+    """Print the row of a body with about `count` nodes."""
+    nodes, (seconds, peak), other, error = compared(body, count, with_eigsh)
+    row = f"{body:10} {nodes:7d} {seconds:9.2f} {peak:5.2f}"
+    if with_eigsh:
+        row += f" {other[0]:8.2f} {other[1]:5.2f} {seconds / other[0]:6.2f} {error:8.1e}"
+    else:
+        row += f" {other[0]:8.2f}"
+    print(row, flush=True)
 
 
 def main():
@@ -102,7 +117,8 @@ def main():
     if given.child:
         child(given.child[0], Path(given.child[1]))
         return
-    print("body         nodes flexmb, s    GB  kept eigsh, s    GB  ratio    error")
+    other = "  kept, s" if given.without_eigsh else " eigsh, s    GB  ratio    error"
+    print(f"body         nodes flexmb, s    GB{other}")
     for count in given.nodes:
         for body in given.body:
             compare(body, count, not given.without_eigsh)

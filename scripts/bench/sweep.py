@@ -39,22 +39,27 @@ def study_of(count, folder):
     return Sweep.of(str(path), str(Path(folder) / "parts"), fresh=True)
 
 
-def overhead(count=20_000):
-    """Processor time of a study in one process against that of its solver alone, block by block in turn.
+def costs(count, folder):
+    """Processor seconds of a case of a study in one process, and of its solver alone, block by block in turn.
 
     The clock of a shared machine wavers within a minute: both sides of a ratio have to feel it alike.
     """
     whole = alone = 0.0
+    sweep = study_of(count, folder)
+    sweep.solver.solve(0)
+    for block in sweep.pending():
+        whole += spent_on(lambda block=block: solve_here(sweep, [block], lambda cases: None))
+        alone += solver_time(sweep, sweep.job.cases(block))
+    whole += spent_on(lambda: write_study_table(str(Path(folder) / "table.h5"), sweep))
+    return whole / count, alone / count
+
+
+def overhead(count=20_000):
+    """Print the cost of a case of a study in one process, and of its solver alone."""
     with tempfile.TemporaryDirectory() as folder:
-        sweep = study_of(count, folder)
-        sweep.solver.solve(0)
-        for block in sweep.pending():
-            whole += spent_on(lambda block=block: solve_here(sweep, [block], lambda cases: None))
-            alone += solver_time(sweep, sweep.job.cases(block))
-        whole += spent_on(lambda: write_study_table(str(Path(folder) / "table.h5"), sweep))
-    ratio = f"{whole / alone:.3f} times"
-    print(f"{count} cases in one process: {whole:.1f} s, their solver alone {alone:.1f} s: {ratio}")
-    print(f"a case: {1e3 * whole / count:.2f} ms, its solver alone {1e3 * alone / count:.2f} ms")
+        whole, alone = costs(count, folder)
+    print(f"{count} cases in one process: {whole / alone:.3f} times their solver alone")
+    print(f"a case: {1e3 * whole:.2f} ms, its solver alone {1e3 * alone:.2f} ms")
 
 
 def spent_on(work):

@@ -1,0 +1,1 @@
+"""The work of `table` in other programs: Exudyn, MuJoCo, and plain compiled code."""
