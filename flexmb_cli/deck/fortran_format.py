@@ -19,7 +19,8 @@ from .pictures.field_columns import MOST_DECIMALS, picture, runs_of
 SAFE, HISTORIC = "safe", "historic"
 LAYOUTS = (SAFE, HISTORIC)
 NUMBERS_A_PICTURE = 2**17  # of which a picture is made
-NUMBERS_A_RUN = 400  # for fewer in a run of fields, a picture does not repay
+NUMBERS_A_KIND = 400  # for fewer in fields of a kind, a picture does not repay
+NUMBERS_A_RUN = 40  # the same for fewer in a run of fields
 
 
 @dataclass(frozen=True)
@@ -126,6 +127,7 @@ class Layout:
         self.fields = tuple(part for part in parts if isinstance(part, Edit))
         self._separated = _separated(parts)
         self._runs = runs_of(parts, self._separated)
+        self._least = max(NUMBERS_A_KIND * len(set(self.fields)), NUMBERS_A_RUN * len(self._runs))
         self._as_text = [self._needs_text(field) for field in self.fields]
         self._template = self._percent_template(parts)
         self._limits = np.array([field.zero_limit for field in self.fields])
@@ -142,7 +144,7 @@ class Layout:
 
     def _page(self, values: np.ndarray) -> str:
         """Text of the rows, of many from a picture; rows that it does not know are printed one by one."""
-        if not self._has_pictures or values.size < NUMBERS_A_RUN * len(self._runs):
+        if not self._has_pictures or values.size < self._least:
             return self._printed(values)
         text, unknown = picture(self._runs, values)
         if not unknown.any():

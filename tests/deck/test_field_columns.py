@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.deck.fortran_format import E, F, I, Layout, P, fixed, integer
-from flexmb_cli.deck.pictures.field_columns import MOST_DECIMALS
+from flexmb_cli.deck.pictures.field_columns import MOST_DECIMALS, picture
 
 EDITS = {
     "d": (I(5), integer(3), I(10)),
@@ -68,3 +68,31 @@ def test_ten_million_hard_numbers_print_as_python_prints_each(kind):
     for edit in EDITS[kind]:
         for seed in range(7):
             compare(edit, hard_numbers(100_000, 100 + seed))
+
+
+def test_lines_of_many_bodies_print_as_their_numbers_do():
+    """Fields of a kind are taken together, runs at equal distances too; a wide line among them is not."""
+    parts, edits = [], []
+    for body in range(40):
+        fields = (fixed(10, 3), fixed(10, 3), fixed(7, 2), fixed(10, 3)) + 3 * (P(13, 5),)
+        parts += [f"{body:3d}" if body != 17 else "a longer name", *fields, "\n"]
+        edits += fields
+    values = hard_numbers(80 * len(edits), 5).reshape(80, -1)
+    exponents = [edit.kind == "E" for edit in edits]
+    # Ties in exponent form and numbers too long for a numeral are left to the other 20 rows.
+    values[20:, exponents] = np.random.default_rng(6).normal(size=(60, sum(exponents)))
+    values[20:] = np.fmod(values[20:], 1e4)
+    layout = Layout(*parts, "*\n")
+    assert picture(layout._runs, values)[1].sum() <= 20 < len(values) * len(edits) / layout._least * 20
+    printed, at = layout.lines(values), 0
+    for row in values:
+        numbers = iter(zip(edits, row.tolist(), strict=True))
+        for part in [*parts, "*\n"]:
+            text = part if isinstance(part, str) else None
+            if text is None:
+                edit, value = next(numbers)
+                text = expected(edit, value)
+                text = text.rjust(edit.width) if len(text) < edit.width else " " + text
+            assert printed[at : at + len(text)] == text
+            at += len(text)
+    assert at == len(printed)

@@ -91,32 +91,70 @@ def runs_of(parts: Iterable[Any], separated: list[bool]) -> list[bytes | Run]:
 
 
 def picture(runs: list[bytes | Run], values: np.ndarray) -> tuple[bytearray, np.ndarray]:
-    """Return the text of rows of equal length, with NULs, and which rows are not known (rows,)."""
-    rows, column = len(values), 0
-    unknown = np.zeros(rows, bool)
-    cells: list[list[np.ndarray]] = []
-    row = b""
+    """Return the text of rows of equal length, with NULs, and which rows are not known (rows,).
+
+    Equal fields of all runs are taken together, and runs that stand at equal distances put in their places
+    together, as those of the lines of many bodies.
+    """
+    columns: dict[Run, list[int]] = {}
+    column = 0
     for run in runs:
         if isinstance(run, Run):
-            cells.append(_pieces(run, values[:, column : column + run.fields], unknown))
+            columns.setdefault(run._replace(fields=1), []).extend(range(column, column + run.fields))
             column += run.fields
-            row += bytes(run.fields * sum(piece.itemsize for piece in cells[-1]))
-        else:
-            row += run
-    text = bytearray(row * rows)
-    end, filled = 0, iter(cells)
-    for run in runs:
-        end += len(run) if isinstance(run, bytes) else _fill(text, end, len(row), next(filled))
+    unknown = np.zeros(len(values), bool)
+    cells = {kind: _pieces(kind, values[:, places], unknown) for kind, places in columns.items()}
+    row, stretches = _stretches(runs, {kind: sum(p.itemsize for p in cells[kind]) for kind in cells})
+    text = bytearray(row * len(values))
+    for stretch in stretches:
+        _fill(text, len(row), stretch, cells[stretch.kind])
     return text, unknown
 
 
-def _fill(text: bytearray, start: int, length: int, pieces: list[np.ndarray]) -> int:
-    """Put the pieces of a run in their places; returns how long it is."""
-    cell, place = sum(piece.itemsize for piece in pieces), start
+class Stretch(NamedTuple):
+    """Runs of equal fields and length at equal distances in a row."""
+
+    kind: Run  # a field of them
+    column: int  # of the first among all equal fields
+    start: int  # of the first, characters
+    fields: int  # count in a run
+    runs: int  # count
+    distance: int  # from run to run, characters
+
+
+def _stretches(runs: list[bytes | Run], widths: dict[Run, int]) -> tuple[bytes, list[Stretch]]:
+    """Return the text of a row with NULs for its fields, and the stretches of its runs."""
+    row, length, done = [], 0, dict.fromkeys(widths, 0)
+    last: dict[Run, Stretch] = {}
+    complete: list[Stretch] = []
+    for run in runs:
+        if isinstance(run, bytes):
+            row.append(run)
+            length += len(run)
+            continue
+        kind = run._replace(fields=1)
+        before = last.get(kind)
+        distance = length - before.start if before else 0
+        if before and before.fields == run.fields and before.runs * (before.distance or distance) == distance:
+            last[kind] = before._replace(runs=before.runs + 1, distance=before.distance or distance)
+        else:
+            complete += [before] if before else []
+            last[kind] = Stretch(kind, done[kind], length, run.fields, 1, 0)
+        done[kind] += run.fields
+        row.append(bytes(run.fields * widths[kind]))
+        length += run.fields * widths[kind]
+    return b"".join(row), complete + list(last.values())
+
+
+def _fill(text: bytearray, length: int, stretch: Stretch, pieces: list[np.ndarray]) -> None:
+    """Put the pieces of a stretch in their places in rows of a length."""
+    cell, place = sum(piece.itemsize for piece in pieces), stretch.start
+    some = slice(stretch.column, stretch.column + stretch.runs * stretch.fields)
     for piece in pieces:
-        np.ndarray(piece.shape, piece.dtype, text, place, (length, cell))[:] = piece
+        shape = len(piece), stretch.runs, stretch.fields
+        strides = length, stretch.distance, cell
+        np.ndarray(shape, piece.dtype, text, place, strides)[:] = piece[:, some].reshape(shape)
         place += piece.itemsize
-    return cell * int(pieces[0].shape[1])
 
 
 def _pieces(run: Run, values: np.ndarray, unknown: np.ndarray) -> list[np.ndarray]:
