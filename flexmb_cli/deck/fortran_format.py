@@ -19,7 +19,7 @@ from .pictures.field_columns import MOST_DECIMALS, picture, runs_of
 SAFE, HISTORIC = "safe", "historic"
 LAYOUTS = (SAFE, HISTORIC)
 NUMBERS_A_PICTURE = 2**17  # of which a picture is made
-NUMBERS_A_KIND = 400  # for fewer in fields of a kind, a picture does not repay
+NUMBERS_A_KIND = 400  # for fewer in equal fields, a picture does not repay
 NUMBERS_A_RUN = 40  # the same for fewer in a run of fields
 
 

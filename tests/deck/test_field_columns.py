@@ -71,7 +71,7 @@ def test_ten_million_hard_numbers_print_as_python_prints_each(kind):
 
 
 def test_lines_of_many_bodies_print_as_their_numbers_do():
-    """Fields of a kind are taken together, runs at equal distances too; a wide line among them is not."""
+    """Equal fields are taken together, runs at equal distances too; a wide line among them is not."""
     parts, edits = [], []
     for body in range(40):
         fields = (fixed(10, 3), fixed(10, 3), fixed(7, 2), fixed(10, 3)) + 3 * (P(13, 5),)
