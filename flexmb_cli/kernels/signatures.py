@@ -60,7 +60,7 @@ TUPLES = {
     ),
     "Work": (
         "kernels.constrained.system:Work",
-        "f4 f2 f2 f2 f1 i1 f2 f2 f3 f1 f3 f4 f1 f2 i1 f1 f1 f2 i2 i1 i2 f1",
+        "f4 f2 f2 f2 f1 i1 f2 f2 f3 f1 f3 f4 f1 f2 i1 f1 f1 f2 i2 i1 i2 f1 f2",
     ),
     "Report": ("kernels.constrained.report:Report", "f1 f2 f2 f4 f2 f1 f2 f3"),
     "Integration": ("kernels.integrators.constrained_dop853:Integration", "CLOCK1 f1 f1 f1 f2 f2 f1 f2"),

@@ -23,6 +23,11 @@ OUTPUTS = {
 }
 
 
+def deck_of(rows: int) -> str:
+    """Return the text of the deck with so many rows."""
+    return DECK.read_text().replace(TIMES, f"0.000000119 0.04 {0.04 / rows!r}")
+
+
 def spent(deck: str, folder: str, outputs: dict[str, bool]) -> float:
     """Processor time of a run, s."""
     start = time.process_time()
@@ -36,7 +41,7 @@ def seconds_a_row(rows: int, repeats: int) -> dict[str, float]:
     """Return the median processor time of a row, s, of all outputs, in turn within each of some runs."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / DECK.name
-        path.write_text(DECK.read_text().replace(TIMES, f"0.000000119 0.04 {0.04 / rows!r}"))
+        path.write_text(deck_of(rows))
         spent(str(path), folder, {})
         times = [[spent(str(path), folder, outputs) for outputs in OUTPUTS.values()] for _ in range(repeats)]
     medians = [statistics.median(found) / rows for found in zip(*times, strict=True)]

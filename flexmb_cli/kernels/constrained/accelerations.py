@@ -64,13 +64,11 @@ def evaluate_jacobian(system: System, work: Work, q: np.ndarray) -> None:
     rotation_matrices(q, work.rotations[A])
     place_vectors(geometry_of(system, work), q)
     equations.jacobian(system.constraints, q, work.rotations[A], work.phi_q)
-    speed_jacobian(system.bodies, q, work.phi_q, work.jacobian)
+    speed_jacobian(system.bodies, q, work.phi_q, work.scales, work.jacobian)
     equation_rows(system, work, work.jacobian)
-    for row in range(work.jacobian.shape[0]):
+    for row in range(work.phi_q.shape[0], work.jacobian.shape[0]):
         for p in range(work.columns[row, 0]):
-            # Planar mechanisms have mostly zeros, and divisions take long.
-            if work.jacobian[row, p] != 0.0:
-                work.jacobian[row, p] *= system.speed_scale[work.columns[row, 1 + p]] / system.row_scale[row]
+            work.jacobian[row, p] *= work.scales[row, p]
 
 
 @kernel

@@ -65,24 +65,37 @@ def speeds_of_rates(bodies: int, q: np.ndarray, qd: np.ndarray, u: np.ndarray) -
 
 
 @kernel
-def speed_jacobian(bodies: np.ndarray, q: np.ndarray, phi_q: np.ndarray, jacobian: np.ndarray) -> None:
-    """Fill the first rows of jacobian (m, c) with phi_q (r, 14) turned from coordinates to speeds.
+def speed_jacobian(
+    bodies: np.ndarray, q: np.ndarray, phi_q: np.ndarray, scales: np.ndarray, jacobian: np.ndarray
+) -> None:
+    """Fill the first rows of jacobian (m, c) with phi_q (r, 14) turned from coordinates to speeds, scaled.
 
     bodies (r, 2): bodies of the two halves of each row, whose entries stand in the order of the bodies.
+    scales (m, c): units of the speeds over those of the equations.
     """
     for row in range(phi_q.shape[0]):
-        for k in range(min(12, jacobian.shape[1])):
-            jacobian[row, k] = 0.0
+        i, j = bodies[row, 0], bodies[row, 1]
+        if i == j:
+            for k in range(min(12, jacobian.shape[1])):
+                jacobian[row, k] = 0.0
         for half in range(2):
             at, k = 7 * half, 7 * bodies[row, half] + 3
-            s = 6 if bodies[row, half] > bodies[row, 1 - half] else 0
-            for i in range(3):
-                jacobian[row, s + i] += phi_q[row, at + i]
+            s = 6 if (i > j) == (half == 0) and i != j else 0
             a0, a1, a2, a3 = (phi_q[row, at + 3], phi_q[row, at + 4], phi_q[row, at + 5], phi_q[row, at + 6])
             e0, e1, e2, e3 = q[k], q[k + 1], q[k + 2], q[k + 3]
-            jacobian[row, s + 3] += 0.5 * (-e1 * a0 + e0 * a1 + e3 * a2 - e2 * a3)
-            jacobian[row, s + 4] += 0.5 * (-e2 * a0 - e3 * a1 + e0 * a2 + e1 * a3)
-            jacobian[row, s + 5] += 0.5 * (-e3 * a0 + e2 * a1 - e1 * a2 + e0 * a3)
+            v = (
+                phi_q[row, at],
+                phi_q[row, at + 1],
+                phi_q[row, at + 2],
+                0.5 * (-e1 * a0 + e0 * a1 + e3 * a2 - e2 * a3),
+                0.5 * (-e2 * a0 - e3 * a1 + e0 * a2 + e1 * a3),
+                0.5 * (-e3 * a0 + e2 * a1 - e1 * a2 + e0 * a3),
+            )
+            for n in range(6):
+                before = jacobian[row, s + n] if i == j else 0.0
+                jacobian[row, s + n] = before + v[n]
+        for k in range(min(12, jacobian.shape[1])):
+            jacobian[row, k] *= scales[row, k]
 
 
 @kernel

@@ -63,6 +63,7 @@ class Work(NamedTuple):
     entries: np.ndarray  # (m n,) places of the factors, and
     ends: np.ndarray  # (m, 4) places where a row of them begins and ends, see `sparse_rows`
     diagonal: np.ndarray  # (m,) pivots of the elimination, scaled
+    scales: np.ndarray  # (m, c) of the entries of the Jacobian: units of speeds over those of equations
 
 
 PHI, GAMMA, SCALED = 0, 1, 2
@@ -88,8 +89,15 @@ def make_work(system: System, angles: int) -> Work:
         np.zeros(angles), np.zeros((6, n + bodies)), np.zeros(1, np.int64), np.ones(1), np.zeros(m),
         np.zeros((system.loads.shape[0], _columns_of_answers(system))), columns,
         paged_zeros((m * n,), np.int64),
-        np.zeros((m, 4), np.int64), np.zeros(m),
+        np.zeros((m, 4), np.int64), np.zeros(m), _scales_of(system, columns),
     )  # fmt: skip
+
+
+@plain
+def _scales_of(system: System, columns: np.ndarray) -> np.ndarray:
+    places = columns[:, 1:]
+    scales = system.speed_scale[places] / system.row_scale[:, None]
+    return np.where(np.arange(places.shape[1]) < columns[:, :1], scales, 1.0)
 
 
 @plain

@@ -92,17 +92,40 @@ def n1_jacobian(
     c: np.void, u_i: np.ndarray, u_j: np.ndarray, q: np.ndarray, A: np.ndarray, row: np.ndarray
 ) -> None:
     """Row (4.17)."""
-    i, j = c["body_i"], c["body_j"]
-    add_rotation_row(q, i, u_i, rotate(A, j, u_j), row, 3)
-    add_rotation_row(q, j, u_j, rotate(A, i, u_i), row, 10)
+    _n1_row(c, u_i, u_j, rotate(A, c["body_j"], u_j), q, A, row)
+
+
+@kernel
+def _n1_row(
+    c: np.void,
+    u_i: np.ndarray,
+    u_j: np.ndarray,
+    turned: tuple[float, float, float],
+    q: np.ndarray,
+    A: np.ndarray,
+    row: np.ndarray,
+) -> None:
+    """Row (4.17), with u_j in global axes besides."""
+    add_rotation_row(q, c["body_i"], u_i, turned, row, 3)
+    add_rotation_row(q, c["body_j"], u_j, rotate(A, c["body_i"], u_i), row, 10)
 
 
 @kernel
 def n1_acceleration(c: np.void, u_i: np.ndarray, u_j: np.ndarray, rotations: np.ndarray) -> float:
     """Right-hand side of (4.19)."""
-    A, Ad, Add, i, j = rotations[0], rotations[1], rotations[2], c["body_i"], c["body_j"]
-    remainder = dot(rotate(Add, i, u_i), rotate(A, j, u_j)) + dot(rotate(A, i, u_i), rotate(Add, j, u_j))
-    return -remainder - 2.0 * dot(rotate(Ad, i, u_i), rotate(Ad, j, u_j))
+    j = c["body_j"]
+    v = rotate(rotations[0], j, u_j), rotate(rotations[1], j, u_j), rotate(rotations[2], j, u_j)
+    return _n1_remainder(c, u_i, v, rotations)
+
+
+@kernel
+def _n1_remainder(
+    c: np.void, u_i: np.ndarray, v: tuple[tuple[float, float, float], ...], rotations: np.ndarray
+) -> float:
+    """Right-hand side of (4.19); v: u_j in global axes, its rate, and the remainder of its second."""
+    A, Ad, Add, i = rotations[0], rotations[1], rotations[2], c["body_i"]
+    remainder = dot(rotate(Add, i, u_i), v[0]) + dot(rotate(A, i, u_i), v[2])
+    return -remainder - 2.0 * dot(rotate(Ad, i, u_i), v[1])
 
 
 @kernel
@@ -145,15 +168,18 @@ def p1_residual(c: np.void, row: int, A: np.ndarray, phi: np.ndarray) -> None:
 @kernel
 def p1_jacobian(c: np.void, row: int, q: np.ndarray, A: np.ndarray, phi_q: np.ndarray) -> None:
     """Rows (4.23), resolved in the axes of body i."""
-    n1_jacobian(c, c["a_i"], c["s_j"], q, A, phi_q[row])
-    n1_jacobian(c, c["b_i"], c["s_j"], q, A, phi_q[row + 1])
+    along = rotate(A, c["body_j"], c["s_j"])
+    _n1_row(c, c["a_i"], c["s_j"], along, q, A, phi_q[row])
+    _n1_row(c, c["b_i"], c["s_j"], along, q, A, phi_q[row + 1])
 
 
 @kernel
 def p1_acceleration(c: np.void, row: int, rotations: np.ndarray, gamma: np.ndarray) -> None:
     """Right-hand side of (4.25), resolved in the axes of body i."""
-    gamma[row] = n1_acceleration(c, c["a_i"], c["s_j"], rotations)
-    gamma[row + 1] = n1_acceleration(c, c["b_i"], c["s_j"], rotations)
+    j, along = c["body_j"], c["s_j"]
+    v = rotate(rotations[0], j, along), rotate(rotations[1], j, along), rotate(rotations[2], j, along)
+    gamma[row] = _n1_remainder(c, c["a_i"], v, rotations)
+    gamma[row + 1] = _n1_remainder(c, c["b_i"], v, rotations)
 
 
 @kernel

@@ -52,9 +52,10 @@ def take_row(
     n = whole.shape[0]
     following[n] = n
     for p in range(columns[row, 0]):
-        place = places[columns[row, 1 + p]]
-        whole[place] = jacobian[row, p]
-        if whole[place] != 0.0:
+        # Planar mechanisms have mostly zeros.
+        if jacobian[row, p] != 0.0:
+            place = places[columns[row, 1 + p]]
+            whole[place] = jacobian[row, p]
             at = n
             while following[at] < place:
                 at = following[at]
