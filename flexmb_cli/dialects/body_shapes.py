@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ..deck.many_records import DeckValues
 from ..deck.record import Deck, Record
-from ..deck.records import DeckValues
 from ..fe.formats.matrix_file import FEFileFault
 from ..fe.formats.stl import read_stl
 from ..model.diagnostics import Findings

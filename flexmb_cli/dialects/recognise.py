@@ -6,10 +6,10 @@ from dataclasses import replace
 from importlib import import_module
 from itertools import islice
 
-from ..collector import without_collector
 from ..deck.record import Deck, DeckText
 from ..deck.words import UNCLOSED, Word, words
 from ..errors import DeckError, Fault
+from ..memory import without_collector
 from . import DIALECTS
 from .dialect import Dialect
 

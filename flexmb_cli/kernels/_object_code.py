@@ -8,7 +8,7 @@ from typing import Any
 import llvmlite.binding as llvm
 from llvmlite import ir
 
-from ..collector import without_collector
+from ..memory import without_collector
 from ._linking import ENVIRONMENT, quick, refuse_missing, with_parts_of_parts
 from ._numba import cpu_target, create_nrt_module, global_compiler_lock
 from ._values import WORD, add_wrapper, numba_type

@@ -1,7 +1,7 @@
 """Laws of elements: the effort along a coordinate x with the rate v, by whichever formulation x was measured.
 
 A law answers effort and the part of it that has a potential, and fills -dF/dx, -dF/dv and the stored energy.
-`law` is any record with the fields of `model.arrays.laws.LAW`: a LOAD, or a TREE_ELEMENT.
+`law` is any record with the fields of `model.arrays.records.LAW`: a LOAD, or a TREE_ELEMENT.
 Friction: Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30 (1994), section 3.1, made smooth by
 tanh.  Stops and cables: Hunt and Crossley, Journal of Applied Mechanics 42 (1975), pages 440-445, exponent 1.
 """

@@ -31,7 +31,7 @@ RECORDS = {
         for name in ("MASS", "FLEXIBLE", "BODY_VECTOR", "PRIMITIVE", "LOAD")
     },
     "FUNCTION": "model.arrays.records:FUNCTION",
-    "LAW": "model.arrays.laws:LAW",  # part of other records
+    "LAW": "model.arrays.records:LAW",  # part of other records
     "GROUP": "model.arrays.records:GROUP",
     "FRAME": "model.arrays.tree_frames:FRAME",
     "NODAL_MASS": "model.arrays.tree_frames:NODAL_MASS",

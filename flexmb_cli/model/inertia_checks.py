@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..deck.records import DeckValues
+from ..deck.many_records import DeckValues
 from .diagnostics import Findings
 from .tree import INERTIAL, UNTURNED, Body, Tree
 

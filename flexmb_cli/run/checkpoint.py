@@ -22,7 +22,7 @@ from ..errors import Fault, ModelError, OutputError
 from ..managed_files import belongs_here, open_managed, unbuffered
 from ..results.files.disk_failures import located
 from ..results.files.durable import GROWING, LargePayload, framed, sync, sync_folder, whole_payloads
-from ..results.files.temporary_file import hold, is_unfinished
+from ..results.files.replaced_file import hold, is_unfinished
 
 # What JSON and numpy raise of a description that is none.
 _UNDESCRIBED = (ValueError, TypeError, KeyError, SyntaxError, RecursionError)

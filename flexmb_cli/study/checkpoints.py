@@ -20,8 +20,7 @@ from ..errors import Fault, ModelError, OutputError
 from ..managed_files import ManagedFolder, belongs_here, unbuffered
 from ..results.files.disk_failures import located
 from ..results.files.durable import GROWING, LargePayload, framed, sync, sync_folder, whole_payloads
-from ..results.files.replaced_file import make_folder
-from ..results.files.temporary_file import hold
+from ..results.files.replaced_file import hold, make_folder
 from .solver import MESSAGE_LENGTH, CaseResult
 from .study import SERIES, Study
 

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..deck.record import Deck
+from ..dialects.dialect import Dialect
 from ..dialects.recognise import dialect_named
 from ..dialects.settings import SettableDeck
 from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, DeckError, Fault, FlexmbError
 from ..memory import LACK_OF_MEMORY, lacks_memory
+from ..results.hdf5.kinematic import kinematic_values
 from ..results.hdf5.layout import Values
 from ..results.hdf5.result_file import empty_result
 from ..results.quantities.quantities import SHOWS_ALL, Quantity, ResultError, resolve
@@ -18,11 +20,11 @@ from ..run.model import model_of
 from ..run.outcome import Listener, Outcome, Run, RunOptions, Stop
 from ..run.solution import Solution, solution_of
 from .study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Cases, Kept, Study
-from .together import CasesTogether
 
 if TYPE_CHECKING:
     import h5py
 
+    from ..solvers.kinematics.variants import Variants
 
 MESSAGE_LENGTH = 2000
 _NO_SERIES = np.zeros((0, 0))
@@ -232,3 +234,41 @@ class _Taken:
         elif self.take == MEAN:
             total = values.sum() + (self.value * before if before else 0.0)
             self.value = total / self.count
+
+
+@dataclass(frozen=True)
+class CasesTogether:
+    """`places`: section, index of the record and of the component of each parameter of the study."""
+
+    variants: "Variants"
+    places: tuple[tuple[str, int, int], ...]
+
+    @classmethod
+    def of(cls, names: list[str], dialect: Dialect, solution: Solution) -> "CasesTogether | None":
+        """Return how cases of other numbers of these `names` are solved together, or None."""
+        variants = solution.variants()
+        if variants is None or not variants.at_once:
+            return None
+        places = [place for name in names if (place := _place(name, dialect))]
+        return cls(variants, tuple(places)) if len(places) == len(names) else None
+
+    def solve(self, values: np.ndarray) -> tuple[Values, np.ndarray]:
+        """Return the values of the rows of all cases, one behind the other, and which cases count (cases,).
+
+        values (cases, parameters): those of the study.
+        """
+        numbers = {
+            section: np.repeat(given[None], len(values), axis=0)
+            for section, given in (("driver", self.variants.functions), ("point", self.variants.points))
+        }
+        for (section, index, component), column in zip(self.places, values.T, strict=True):
+            numbers[section][:, index, component] = column
+        rows, plain = self.variants.solve(numbers["driver"], numbers["point"])
+        return kinematic_values(rows), plain
+
+
+def _place(name: str, dialect: Dialect) -> tuple[str, int, int] | None:
+    section, _, rest = name.partition(".")
+    number, _, key = rest.partition(".")
+    keys = dialect.as_given.get(section, ())
+    return (section, int(number) - 1, keys.index(key)) if key in keys else None

@@ -9,12 +9,12 @@ from functools import lru_cache
 from typing import Any
 
 from .. import __version__
-from ..collector import with_present_objects_frozen
 from ..deck.lines import Lines
 from ..deck.record import Deck, DeckText
 from ..deck.text import read_text
 from ..dialects.recognise import CHOOSES, read_deck
 from ..errors import ANALYSIS_FAILED, INTERNAL_FAULT, DeckError, Fault, OutputError
+from ..memory import with_present_objects_frozen
 from ..run.outcome import Listener, RunOptions, Stop
 from .checkpoints import Part, Parts, RecordForm, StudyLock
 from .reader import read_study

@@ -8,7 +8,7 @@ import numpy as np
 from html_page import WIDTH, Section
 from runs import PUBLISHED, run
 
-from flexmb_cli.dialects.young.errata import YOUNG_ERRORS
+from flexmb_cli.dialects.young.listing_reader import YOUNG_ERRORS
 
 DATASETS = {
     "position": ("position", "euler_parameters"),

@@ -7,8 +7,8 @@ import pytest
 
 from flexmb_cli import errors
 from flexmb_cli.deck import many_records
+from flexmb_cli.deck.many_records import DeckValues
 from flexmb_cli.deck.record import DeckText
-from flexmb_cli.deck.records import DeckValues
 from flexmb_cli.dialects.dafms import reader as dafms
 from flexmb_cli.dialects.dafms import system_cards
 from flexmb_cli.dialects.recognise import read_deck

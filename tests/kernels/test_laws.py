@@ -16,8 +16,8 @@ from flexmb_cli.kernels.laws import (
     answer_law,
     friction_share,
 )
-from flexmb_cli.model.arrays.function_table import FunctionTable
-from flexmb_cli.model.arrays.laws import LAW, fill_law
+from flexmb_cli.model.arrays.function_table import FunctionTable, fill_law
+from flexmb_cli.model.arrays.records import LAW
 from flexmb_cli.model.laws import (
     CABLE,
     FRICTION,

@@ -6,7 +6,7 @@ Testing unconstrained optimization software, ACM TOMS 7 (1981), section 3, which
 import numpy as np
 import pytest
 
-from flexmb_cli.solvers.levenberg_marquardt import damped_step, least_squares
+from flexmb_cli.solvers.assembly import damped_step, least_squares
 
 
 def rosenbrock(x):

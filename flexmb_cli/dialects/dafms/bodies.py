@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...deck.records import DeckValues
+from ...deck.many_records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.geometric_stiffness import beam_direction
 from ...model.tree import Body, Elasticity

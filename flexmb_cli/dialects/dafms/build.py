@@ -1,18 +1,34 @@
 """FMBD.DAT → Tree: what the cards of DAFMS mean (thesis of Zhao, 1992, chapter 2 and appendix C)."""
 
+import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from ...deck.many_records import DeckValues
 from ...deck.record import Deck
-from ...deck.records import DeckValues
 from ...errors import Fault, ModelError
 from ...model.diagnostics import LARGEST_NUMBER, Findings
 from ...model.inertia_checks import check_inertia
-from ...model.tree import Tree
+from ...model.integrators import TREE_METHODS
+from ...model.mechanism import TimeGrid
+from ...model.time_checks import MOST_ROWS, too_fine, unsteppable
+from ...model.tree import (
+    ROTATION,
+    UNTURNED,
+    Body,
+    Coordinate,
+    Hinge,
+    Integration,
+    Prescribed,
+    Tree,
+    default_tolerances,
+    generalized_coordinates,
+)
 from ..elements_block.line import SECTION as ELEMENTS
 from .bodies import build_bodies
 from .hinges import build_hinges
-from .start import build_integration, build_start, build_time
 from .time_functions import build_closures, build_functions_of_time
 
 HERE = Path()
@@ -95,3 +111,130 @@ def _check_dof(tree: Tree, values: DeckValues, findings: Findings) -> None:
     if not tree.coordinates:
         message = "no hinge is free and no body is flexible: nothing can move"
         findings.error("counts", message, values.place("counts"), id="DAFMS-022")
+
+
+# Five-decimal Euler parameters give an angle to about this, rad.
+_ANGLE = 1e-3
+
+
+def build_time(values: DeckValues, findings: Findings) -> TimeGrid:
+    """IT output intervals of length H, from t = 0."""
+    steps, step = values.number("time", 0, "IT"), values.number("time", 0, "H")
+    if steps.value < 1:
+        findings.error(
+            "time", f"IT = {steps.value} integration steps, need at least 1", steps.place, id="DAFMS-045"
+        )
+    if steps.value >= MOST_ROWS:
+        findings.error(
+            "time", f"IT = {steps.value}: more than {MOST_ROWS} report times", steps.place, id="DAFMS-046"
+        )
+    if not step.value > 0 or not math.isfinite(step.value):
+        message = f"H = {step.value} s: the length of a step must be above zero"
+        findings.error("time", message, step.place, id="DAFMS-047")
+    elif fault := unsteppable(steps.value * step.value, step.value):
+        findings.error(
+            "time", f"H = {step.value:g} s, IT = {steps.value}: {fault}", step.place, id="DAFMS-048"
+        )
+    return TimeGrid(0.0, steps.value * step.value, step.value, steps.place)
+
+
+def build_integration(values: DeckValues, findings: Findings) -> Integration:
+    """Cards TOLR and METH; a blank or missing tolerance keeps its default."""
+    rtol, atol = values.values("tolerance", 0, (0.0, 0.0))
+    if rtol < 0 or atol < 0 or rtol >= 1:
+        message = f"RTOL = {rtol}, ATOL = {atol}: tolerances lie above 0, RTOL below 1"
+        findings.error("TOLR", message, values.place("tolerance"), id="DAFMS-049")
+    elif rtol and (fault := too_fine(rtol)):
+        findings.error("TOLR", f"RTOL: {fault}", values.place("tolerance"), id="DAFMS-050")
+    (method,) = values.values("method", 0, (1,))
+    if not 1 <= method <= len(TREE_METHODS):
+        choice = ", ".join(f"{i} {name}" for i, name in enumerate(TREE_METHODS, 1))
+        findings.error(
+            "METH", f"METH = {method} is no integrator: {choice}", values.place("method"), id="DAFMS-051"
+        )
+        return Integration()
+    relative, absolute = default_tolerances(TREE_METHODS[method - 1])
+    return Integration(TREE_METHODS[method - 1], rtol or relative, atol or absolute)
+
+
+def build_start(
+    values: DeckValues,
+    bodies: tuple[Body, ...],
+    hinges: tuple[Hinge, ...],
+    drives: tuple[Prescribed, ...],
+    findings: Findings,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Initial coordinates q and speeds y, both (NS,), from Y(L) and the prescribed motions at t = 0."""
+    coordinates = generalized_coordinates(bodies, hinges)
+    q = np.array([record["q"] for record in values.section("coordinate")] or [0.0] * len(coordinates), float)
+    y = np.array([record["u"] for record in values.section("speed")] or [0.0] * len(coordinates), float)
+    _check_first_coordinates(values, q, findings)
+    for drive in drives:
+        m = next(i for i, c in enumerate(coordinates) if (c.body, c.motion, c.axis) == _where(drive))
+        _set_driven(values, (q, y), m, drive, coordinates[m].name, findings)
+    _check_angles(values, coordinates, hinges, q, findings)
+    return q, y
+
+
+def _where(drive: Prescribed) -> tuple[int, str, int]:
+    return drive.body, drive.motion, drive.axis
+
+
+def _check_first_coordinates(values: DeckValues, q: np.ndarray, findings: Findings) -> None:
+    if not values.section("speed"):
+        message = "card 'Y(L)' is missing: the motion starts at rest from zero coordinates"
+        findings.warn("", message, values.place("counts"), id="DAFMS-052")
+    for m, record in enumerate(values.section("first_coordinate")):
+        if abs(record["X"] - q[m]) > 1.1e-5 and not _is_set(values, m):
+            message = f"X({m + 1}) = {record['X']} is not used: Y(L) gives {q[m]} for this coordinate"
+            findings.warn("X(L)", message, record.place, id="DAFMS-053")
+            return
+
+
+def _is_set(values: DeckValues, m: int) -> bool:
+    """Return whether `--set` gave the initial coordinate: old echoes are no slips then."""
+    return bool(values.section("coordinate")) and values.place("coordinate", m + 1) is None
+
+
+def _set_driven(
+    values: DeckValues,
+    state: tuple[np.ndarray, np.ndarray],
+    m: int,
+    drive: Prescribed,
+    name: str,
+    findings: Findings,
+) -> None:
+    """A driven coordinate starts where its function says; Y(L) may repeat it or leave it zero."""
+    for vector, section, wanted in zip(state, ("coordinate", "speed"), (drive.C, drive.B), strict=True):
+        if vector[m] and abs(vector[m] - wanted) > 1.1e-5 + 1e-6 * abs(wanted):
+            message = f"{section} {m + 1} ({name}) is {vector[m]} in Y(L), but PRES starts it at {wanted}"
+            findings.warn("Y(L)", message, values.place(section, m + 1), id="DAFMS-054")
+        vector[m] = wanted
+
+
+def _check_angles(
+    values: DeckValues,
+    coordinates: tuple[Coordinate, ...],
+    hinges: tuple[Hinge, ...],
+    q: np.ndarray,
+    findings: Findings,
+) -> None:
+    """With one free rotation EULT is an echo of the angle in Y(L) (listing, SOK); say when it differs."""
+    if not values.section("attitude"):
+        return
+    for m, c in enumerate(coordinates):
+        hinge = hinges[c.body]
+        if c.motion != ROTATION or len(hinge.rotations) != 1 or hinge.attitude == UNTURNED:
+            continue
+        if _is_set(values, m):
+            continue
+        echo = _quadruple(c.axis, q[m])
+        if abs(np.dot(echo, hinge.attitude)) < math.cos(_ANGLE / 2):
+            message = f"EULT is not used: the angle {q[m]} rad in Y(L) rules (coordinate {m + 1})"
+            findings.warn(f"body {c.body + 1}", message, values.place("attitude", c.body + 1), id="DAFMS-055")
+
+
+def _quadruple(axis: int, angle: float) -> list[float]:
+    quadruple = [math.cos(angle / 2), 0.0, 0.0, 0.0]
+    quadruple[axis] = math.sin(angle / 2)
+    return quadruple

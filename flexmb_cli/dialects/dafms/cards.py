@@ -8,10 +8,30 @@ record of theirs can begin with a card's word, because all begin with a number.
 The whole format is described for users in decks/dafms/FORMAT.md.
 """
 
+from dataclasses import dataclass
 from functools import cache
 
 from ...deck.fortran_records import Item
-from .card import Card
+
+
+@dataclass(frozen=True)
+class Card:
+    """A card: its word (four columns), the section of its records, FORMAT and list of one record.
+
+    `layout` is how many records follow: "bodies" N, each headed by the body's number; "list" one
+    list over all bodies; "coordinates", "state" a list over the coordinates; "single" one record;
+    "switch" none; "entries" a count, then so many entries.  Of those the first `head` items
+    stand in `format`, the others in `tail`; without a head all do, and `tail` is that of a list.
+    """
+
+    word: str
+    section: str
+    layout: str
+    format: str = ""
+    items: tuple[Item, ...] = ()
+    tail: str = ""
+    head: int = 0
+
 
 MACROS = ("DFMB", "STAR", "STOP")
 END, PRINT_ON, PRINT_OFF = "END ", "PRIN", "NOPR"

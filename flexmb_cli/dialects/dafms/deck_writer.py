@@ -16,8 +16,7 @@ from ...deck.record import Number, Record
 from ..elements_block.questions import block_lines
 from .beam import Beam
 from .beam_cards import beam_block
-from .card import Card
-from .cards import CARDS
+from .cards import CARDS, Card
 
 OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")
 OPTIONAL: tuple[str, ...] = (

@@ -20,8 +20,7 @@ from ..elements_block.questions import element_entries
 from .beam import Beam
 from .beam_cards import beam_block
 from .build import build_dafms
-from .card import Card
-from .cards import CARDS
+from .cards import CARDS, Card
 from .deck_writer import OF_EVERY_BODY, OPTIONAL, TABLES, beam_of, deck_lines
 from .reader import read_dafms
 

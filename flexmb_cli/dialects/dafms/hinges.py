@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from ...deck.many_records import DeckValues
 from ...deck.record import Record
-from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.tree import INERTIAL, UNTURNED, Body, Hinge
 

@@ -1,21 +1,47 @@
 """The cards of TSYSIN, in any order up to END: DAFMS thesis (Zhao, 1992), appendix C."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from ...deck.fortran_card import fortran_format
 from ...deck.fortran_records import Item, MissingRecord, Records
 from ...deck.lines import as_lines
 from ...deck.number_list import record_of
 from ...deck.record import Number, Record
-from ...errors import Place
+from ...errors import Fault, Place
+from ..elements_block.old_cards import DAFMS_FORMATS, refused
 from ..elements_block.text import begins_block, uncommented
-from .card import Card
-from .cards import CARDS, END, MACROS, PRINT_OFF, PRINT_ON
+from .cards import CARDS, END, MACROS, PRINT_OFF, PRINT_ON, Card
 from .skipped_lines import SkippedLines
 
 if TYPE_CHECKING:
     from ..elements_block.reader import BlockReader
+
+
+def old_card(word: str) -> Card | None:
+    """Return the card of a word, its fields without names; None for other words."""
+    if word not in DAFMS_FORMATS:
+        return None
+    head, tail, further = DAFMS_FORMATS[word]
+    count = len(fortran_format(head).edits)
+    items = tuple(Item(f"field {k}", "") for k in range(1, count + further + 1))
+    return Card(word, word.lower(), "entries", head, items, tail, head=count if further else 0)
+
+
+def refused_card(card: Card, entries: Sequence[Record], counts: dict[str, int]) -> Iterator[Fault]:
+    """Refuse the entries of a card; `counts`: how many of each word the deck had before."""
+    cards = [(record.numbers[0].place, [*_fields(card, record.numbers)]) for record in entries]
+    return refused("dafms", card.word, cards, counts)
+
+
+def _fields(card: Card, numbers: Sequence[Number]) -> Iterator[str]:
+    """Spellings of numbers, with the point where a FORMAT implies it; not the count of a function's."""
+    for k, number in enumerate(numbers):
+        text = number.text.replace(" ", "") or "0"
+        if not (card.word == "FUNC" and k == 2):
+            yield text if isinstance(number.value, int) or "." in text else repr(number.value)
+
 
 OF_BODIES = ("node", "nodal_force", "equations", "id", "bkp", "bmi", "body")  # sections of numbers of bodies
 MOST_REPEATED = 1000  # each looks through all records
@@ -118,7 +144,6 @@ class _System:
     def _refuse_old(self, word: str) -> bool:
         """Refuse a card that the block replaces; False for other words."""
         # Few decks have words that no card has.
-        from .old_cards import old_card, refused_card
 
         card = old_card(word)
         if card is None:

@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from ...deck.many_records import DeckValues
 from ...deck.record import Record
-from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.joint_elements import JointElements
 from ...model.laws import MOTOR, At, Element, spring

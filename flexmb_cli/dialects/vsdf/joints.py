@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from ...deck.many_records import DeckValues
 from ...deck.record import Number, Record
-from ...deck.records import DeckValues
 from ...model.diagnostics import Findings, no_such
 from ...model.driver_angles import LARGEST_ANGLE, MANY_REVOLUTIONS, NO_ANGLE
 from ...model.fe_model import End, NodeJoint, Pin, VsdfBody

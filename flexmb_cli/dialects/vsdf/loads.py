@@ -3,8 +3,8 @@
 import math
 from collections.abc import Sequence
 
+from ...deck.many_records import DeckValues
 from ...deck.record import Record
-from ...deck.records import DeckValues
 from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import BodyTorque, End, NodeForce, NodeJoint, VsdfBody
 from ...model.joints import BY_NAME

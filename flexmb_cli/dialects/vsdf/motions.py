@@ -5,9 +5,8 @@ from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ...deck.number_table import column, places_by
+from ...deck.many_records import DeckValues, column, places_by
 from ...deck.record import Number, Record
-from ...deck.records import DeckValues
 from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import NodeJoint, VsdfBody
 from ...model.joint_elements import JointDriver

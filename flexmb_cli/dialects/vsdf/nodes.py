@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from ...deck.number_table import MANY_RECORDS
+from ...deck.many_records import MANY_RECORDS, DeckValues
 from ...deck.record import Record
-from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 
 

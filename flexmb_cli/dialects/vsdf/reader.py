@@ -2,13 +2,14 @@
 
 import math
 from array import array
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...deck import many_records
 from ...deck.many_records import ManyRecords, blocks_of
 from ...deck.record import Deck, DeckText, Number, Record
-from ...errors import DeckError, Place
+from ...errors import DeckError, Fault, Place
+from ..elements_block.old_cards import VSDF_FIELDS, refused
 from ..elements_block.text import (
     BLOCK,
     begins_block,
@@ -17,14 +18,25 @@ from ..elements_block.text import (
     stray_lines,
     without_starred,
 )
-from . import fields
-from .card import WIDTHS, Card
+from . import data_cards
+from .card import WIDTHS, Card, Column
 from .cards import BY_WORD, DATA_WORDS, END, FINAL, KNOWN_WORDS, STAR, STOP
-from .data_cards import many, plain
-from .data_cards.one_card import DATA, NUMBERS, CardReader
+from .data_cards import DATA, NUMBERS, CardReader
+from .fields import fields, with_own_keys
 
 if TYPE_CHECKING:
     from ..elements_block.reader import BlockReader
+
+
+def refused_cards(word: str, lines: Sequence[tuple[Place, str]], counts: dict[str, int]) -> Iterator[Fault]:
+    """Refuse data cards of a word; `counts`: how many of each word the deck had before."""
+    return refused("vsdf", word, [(place, fields_of(word, line)) for place, line in lines], counts)
+
+
+def fields_of(word: str, line: str) -> list[str]:
+    """Return the fields of a data card."""
+    columns = tuple(Column("", "", letter=letter, skip=letter == "A") for letter in VSDF_FIELDS[word])
+    return [field.text for field in fields(line, columns, Column("", "") if word == "FUNC" else None)]
 
 
 _TITLE_WIDTH = 75
@@ -50,7 +62,7 @@ def read_vsdf(source: DeckText) -> Deck:
 def _many(source: DeckText, reader: "_Reader", lines: Sequence[Record]) -> ManyRecords:
     title = _Reader(source)
     title._read_title()
-    found = many.many_records(source, title.records[0], reader.starts, reader.rows)
+    found = data_cards.many_records(source, title.records[0], reader.starts, reader.rows)
     return ManyRecords([*found.blocks, *blocks_of(lines)])
 
 
@@ -176,7 +188,6 @@ class _Reader(CardReader):
         """Refuse cards that the block replaces, with their data; False for other words."""
         # Few decks have words that no card has.
         from ..elements_block.old_cards import VSDF_FIELDS
-        from .old_cards import refused_cards
 
         if word not in VSDF_FIELDS:
             return False
@@ -239,16 +250,16 @@ class _Reader(CardReader):
 
     def _take_plain(self, card: Card, line: str) -> bool:
         """Take a card of plain numbers whose record needs no number; False for others."""
-        found = plain.matched(card, line) if card.section in self.rows else None
+        found = data_cards.matched(card, line) if card.section in self.rows else None
         if found is None or card.counted != "list":
             return False
-        self.rows[card.section].extend(plain.values(found))
+        self.rows[card.section].extend(data_cards.values(found))
         self.counts[card.section] += 1
         return True
 
     def _keep(self, card: Card, head: Number, numbers: list[Number]) -> None:
         count = self.counts[card.section] = self.counts.get(card.section, 0) + 1
-        number = many.number_of(card, head, count)
+        number = data_cards.number_of(card, head, count)
         subject = card.subject.format(number)
         if card.counted != "list":
             earlier = self._given(card.section, number, count)
@@ -258,7 +269,7 @@ class _Reader(CardReader):
         if card.counted == "own" and number != count:
             message = f"it is number {count} of its type; records are numbered 1, 2, ... in their order"
             self.error(subject, message, head.place, id="VSDF-164")
-        if plain.is_plain(card):
+        if data_cards.is_plain(card):
             head_numbers = numbers[: len(card.columns)]
             # A name of a function is read again where it is looked at.
             values = (number.value if number.text else math.nan for number in head_numbers)
@@ -268,7 +279,7 @@ class _Reader(CardReader):
         if self.numbers > many_records.MANY_NUMBERS:
             self.kept, self.records = False, []
         if self.kept:
-            self.records.append(Record(card.section, number, subject, fields.with_own_keys(numbers)))
+            self.records.append(Record(card.section, number, subject, with_own_keys(numbers)))
 
     def _given(self, section: str, number: int, count: int) -> int:
         """The line where a record of this number stands already, 0 without one."""

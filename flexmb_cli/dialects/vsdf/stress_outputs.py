@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
+from ...deck.many_records import DeckValues
 from ...deck.record import Record
-from ...deck.records import DeckValues
 from ...errors import Place
 from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import StressSelection, VsdfBody

@@ -6,9 +6,8 @@ A written 0 is what an empty field means, and is let pass.
 from collections.abc import Iterator
 from typing import Any
 
-from ...deck.number_table import column, places_by, without_any
+from ...deck.many_records import DeckValues, column, places_by, without_any
 from ...deck.record import Record
-from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.time_functions import SPIN_UP, TABLE
 from .joints import BY_WORD

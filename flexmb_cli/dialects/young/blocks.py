@@ -1,10 +1,15 @@
 """Blocks ELEMENTS of a YOUNG deck: right behind dT, or among the cards of DYNAMICS."""
 
 import re
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import Any
 
 from ...deck.lines import Lines
+from ...deck.number import shown
 from ...deck.record import DeckText
 from ...errors import Fault, Place
+from ..elements_block.old_cards import LINES, refused
 from ..elements_block.reader import BlockReader
 from ..elements_block.text import begins_block, element_follows, stray_lines, without_braces
 from .cards import CARDS
@@ -47,3 +52,74 @@ def _unclosed(lines: Lines, last: int) -> list[Fault]:
     place = Place(*lines.place_of(lines.text.find("{", lines.text.rfind("}") + 1)))
     message = "a comment is opened here and never closed with }"
     return [Fault("error", message, place, id="YOUNG-169")]
+
+
+_COMMENT = re.compile(r"\{[^}]*\}")
+_OPENING = "DYNAMICS"
+# One word, one more behind it, or anything where that is the name of an analysis.
+_LIKE_OPENING = re.compile(
+    r"^[ \t]*(([A-Z]{6,10})(?:[^\w\n]{1,9}(?:INVERSE|FORWARD)\b[^\n]*|[^\w\n]*|[^\w\n]{1,9}[A-Z]+[^\w\n]*))$",
+    re.IGNORECASE | re.MULTILINE,
+)
+_LEAST_LIKENESS = 0.75  # of DYNAMICS: two letters changed
+OLD_WORDS = LINES["young"]
+_NUMBER = r"[-+]?\.?\d[-+.\deEdD]*"
+
+
+def unread_lines(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator[Fault]:
+    """Warn of the lines behind line `behind` of a deck without dynamic cards that look like such cards."""
+    slips = list(_like_openings(lines, behind))
+    message = (
+        "is read as prose: a card needs the line DYNAMICS inverse, DYNAMICS forward or GEOMETRY before it"
+    )
+    # Cards behind a misspelt opening line have that one cause.
+    return iter(slips) if slips else _cards(lines, behind, keywords, message, id="YOUNG-156")
+
+
+def _like_openings(lines: Lines, behind: int) -> Iterator[Any]:
+    text, start = _without_comments(lines, behind)
+    for found in _LIKE_OPENING.finditer(text):
+        if _is_like_opening(found[2]):
+            message = (
+                f"{shown(found[1].strip())} is read as prose; DYNAMICS inverse or DYNAMICS forward, alone on "
+                "its line, opens cards with masses and loads"
+            )
+            place = Place(*lines.place_of(start + found.start(1)), len(found[1].rstrip()))
+            yield Fault("warning", message, place, id="YOUNG-019")
+
+
+def cards_behind_end(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator[Fault]:
+    """Warn of cards behind line `behind`, which holds END."""
+    message = "stands behind END and is not read: put it before END"
+    yield from _cards(lines, behind, keywords, message, id="YOUNG-178")
+
+
+def _cards(lines: Lines, behind: int, keywords: Iterable[str], message: str, *, id: str) -> Iterator[Any]:
+    text, start = _without_comments(lines, behind)
+    counts: dict[str, int] = {}
+    card = rf"^[ \t]*({'|'.join((*keywords, *OLD_WORDS))})[ \t]+{_NUMBER}(?:[ \t]+{_NUMBER})*[ \t]*$"
+    for found in re.finditer(card, text, re.IGNORECASE | re.MULTILINE):
+        place = Place(*lines.place_of(start + found.start(1)), len(found[1]))
+        word = found[1].upper()
+        if word in OLD_WORDS:
+            cards = refused("young", word, [(place, found[0].split()[1:])], counts)
+            yield from (replace(fault, severity="warning") for fault in cards)
+        else:
+            yield Fault("warning", f"{word} {message}", place, id=id)
+
+
+def _without_comments(lines: Lines, behind: int) -> tuple[Any, Any]:
+    """The text behind a line with blanks for comments and one type of line end, and where it starts."""
+    start = lines.start_of(behind)
+    text = lines.text[start:].replace("\r", "\n")
+    # A crowd of braces that nothing closes would be searched to the end of the text, each of them.
+    closed = text.rfind("}") + 1
+    return _COMMENT.sub(lambda comment: re.sub(r"[^\n]", " ", comment[0]), text[:closed]) + text[
+        closed:
+    ], start
+
+
+def _is_like_opening(word: str) -> bool:
+    from difflib import SequenceMatcher
+
+    return SequenceMatcher(None, word.upper(), _OPENING).ratio() >= _LEAST_LIKENESS

@@ -7,11 +7,11 @@ from collections import defaultdict
 from functools import partial
 from typing import Any
 
-from ...collector import without_collector
 from ...deck.lazy import Chained, Made
 from ...deck.record import Deck
 from ...deck.shifted_lines import with_slip_named
 from ...errors import Fault, FaultList, ModelError
+from ...memory import without_collector
 from ...model.diagnostics import Findings
 from ...model.driver_angles import check_driver_angles
 from ...model.mechanism import Mechanism

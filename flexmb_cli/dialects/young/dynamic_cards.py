@@ -27,10 +27,10 @@ from ..elements_block.text import (
     stray_lines,
     without_braces,
 )
+from .blocks import cards_behind_end, unread_lines
 from .cards import BY_KEYWORD, SHAPE_CARDS
 from .read_card import CardRecords, card_at, is_keyword, wants_text
 from .reader import read_young
-from .unread_lines import cards_behind_end, unread_lines
 
 if TYPE_CHECKING:
     from ..elements_block.reader import BlockReader

@@ -22,7 +22,7 @@ READERS = {
     "TXT": "node_table:plain_nodes",
     "CDB": "ansys_cdb:cdb_nodes",
     "INP": "abaqus_nodes:abaqus_nodes",
-    "BDF": "nastran_grids:grids",
+    "BDF": "nastran:grids",
 }
 _LISTED = re.compile(r"\bDSYS\s*=\s*([1-9]\d*)", re.IGNORECASE)
 _HEADING = re.compile(r"[^\d+\-.]")

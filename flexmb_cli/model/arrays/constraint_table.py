@@ -16,8 +16,7 @@ from ..flexible_mechanism import FloatingBody, NodePoint
 from ..mechanism import Body
 from ..vectors import rotation_matrix
 from .function_table import FunctionTable
-from .laws import NONE
-from .records import GROUP, PRIMITIVE, BodyVectorTable, blank_primitive
+from .records import GROUP, NONE, PRIMITIVE, BodyVectorTable, blank_primitive
 
 
 def tilde(v: np.ndarray) -> np.ndarray:

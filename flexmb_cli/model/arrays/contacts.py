@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..laws import CONTACT, Element, Touch
-from .laws import fill_law
+from .function_table import fill_law
 
 # The codes of kernels.contact; a test compares them.
 PLANE_BALL, PLANE_RIM, CORES, BOX_BALL, CYLINDER_BALL = 0, 1, 2, 3, 4

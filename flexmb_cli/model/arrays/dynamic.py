@@ -14,8 +14,7 @@ from ..joints import NORMALISATION
 from ..loads import DynamicModel
 from .constraint_table import PrimitiveTable
 from .kinematic import KinematicArrays, kinematic_arrays
-from .laws import NONE
-from .records import FLEXIBLE, FORCE, GROUP, MASS, TORQUE, vector_load
+from .records import FLEXIBLE, FORCE, GROUP, MASS, NONE, TORQUE, vector_load
 from .system import SystemArrays
 from .young_elements import without_driven, young_elements
 

@@ -17,9 +17,9 @@ from ..laws import FRICTION, SPRING, At, Cam, Element, Frames, Line, Touch, is_a
 from ..time_functions import MotionFunction
 from .constraint_table import PrimitiveTable
 from .contacts import fill_contact
-from .laws import NONE, fill_bushing, fill_law
+from .function_table import fill_bushing, fill_law
 from .node_joints import JointVectors
-from .records import ELEMENT, LOAD, blank_load, blank_primitive, line_primitive
+from .records import ELEMENT, LOAD, NONE, blank_load, blank_primitive, line_primitive
 from .records import FRICTION as FRICTION_LOAD
 
 if TYPE_CHECKING:

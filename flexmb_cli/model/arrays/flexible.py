@@ -10,9 +10,8 @@ from ..flexible_mechanism import FlexibleMechanism, FloatingBody
 from .constraint_table import PrimitiveTable
 from .element_table import ElementTable, PointJoints, coordinates_of_joints
 from .kinematic import CONSTRAINT
-from .laws import NONE
 from .node_joints import add_joints, add_motions
-from .records import FLEXIBLE, FORCE, MASS, TORQUE, vector_load
+from .records import FLEXIBLE, FORCE, MASS, NONE, TORQUE, vector_load
 from .system import SystemArrays
 
 

@@ -4,11 +4,40 @@ from typing import Any
 
 import numpy as np
 
-from ..time_functions import COMPOUND, HELD_TABLE, PIECEWISE, TABLE, MotionFunction
-from .laws import NONE
-from .records import FUNCTION, function_record
+from ..laws import NUMBER, OF_COORDINATE, OF_TIME, SPRING, Element, Law
+from ..time_functions import COMPOUND, HELD_TABLE, PIECEWISE, TABLE, MotionFunction, integral_of
+from .records import FUNCTION, NONE, function_record
 
 OF_A_COORDINATE = 1.0  # in c[3] of a function of pieces whose argument is no time
+
+
+def fill_law(record: Any, law: Law, values: tuple[Any, ...], table: "FunctionTable | None" = None) -> Any:
+    """Fill the law of a record by values of its parameters; functions join those of the table."""
+    record["shape"], record["f"] = law.code, NONE
+    numbers = functions = 0
+    for p, value in zip(law.parameters, values, strict=True):
+        if p.kind == NUMBER:
+            record["c"][..., numbers] = value
+            numbers += 1
+            continue
+        if value is not None and table is not None:
+            record["f"][..., functions] = table.function(value, of_time=p.kind == OF_TIME)
+        functions += 1
+        if p.kind == OF_COORDINATE:
+            if value is not None and table is not None:
+                energy = integral_of(value)
+                assert energy is not None, "a curve is no product"
+                record["f"][..., functions] = table.function(energy, of_time=False)
+            functions += 1
+    return record
+
+
+def fill_bushing(records: Any, item: Element) -> Any:
+    """Fill the laws of six records, which are those of springs."""
+    (k, kr, c, cr) = item.values
+    records["shape"], records["f"] = SPRING.code, NONE
+    records["c"][:, 0], records["c"][:, 2] = (*k, *kr), (*c, *cr)
+    return records
 
 
 class FunctionTable:

@@ -13,7 +13,7 @@ from ...errors import Fault, ModelError
 from ..flexible_mechanism import FlexibleMechanism, FloatingBody, NodePoint, PointJoint
 from ..time_functions import POLYNOMIAL, ROTATIONS, TRANSLATIONS, Motion, MotionFunction
 from .constraint_table import PrimitiveTable, tilde
-from .laws import NONE
+from .records import NONE
 
 ACROSS = 1e-9  # of a length: what decks and assembly round off
 

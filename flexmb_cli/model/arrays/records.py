@@ -11,7 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from .laws import LAW, NONE
+NONE = -1
+
+LAW = np.dtype(
+    [
+        ("shape", np.int64),  # code of a law of `model.laws`
+        ("c", np.float64, 10),  # its numbers in their order, SI units; of a motor a constant effort
+        # Its functions in their order, -1: none; behind one of the coordinate its integral.
+        ("f", np.int64, 3),
+    ]
+)
+
 
 FORCE, TORQUE, ELEMENT, FRICTION = 1, 2, 5, 6
 

@@ -12,9 +12,8 @@ import numpy as np
 from ..laws import FRICTION, At, Cam, Frames, Touch
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from .contacts import columns_of_answers, fill_contact
-from .function_table import FunctionTable
-from .laws import LAW, fill_bushing, fill_law
-from .records import TOUCH
+from .function_table import FunctionTable, fill_bushing, fill_law
+from .records import LAW, TOUCH
 
 if TYPE_CHECKING:
     from ..flexible_mechanism import NodePoint

@@ -13,8 +13,8 @@ from ..loads import DynamicModel
 from ..mechanism import Joint, Mechanism
 from .constraint_table import PrimitiveTable
 from .element_table import ElementTable, PointJoints, coordinates_of_joints
-from .laws import NONE
 from .node_joints import EQUATIONS_OF, JointVectors
+from .records import NONE
 
 LAST_TRANSLATION = 3  # directions 1 to 3 are coordinates, 4 to 6 turns
 

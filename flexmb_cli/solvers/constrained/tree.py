@@ -27,7 +27,7 @@ from ...model.integrators import IMPLICIT_TREE_METHODS, Integrator
 from ...model.joint_elements import JointElements
 from ...model.laws import FRICTION
 from ...model.tree import ELASTIC, ROTATION, Hinge, Tree
-from ...model.tree_as_mechanism.frames import Base, Frames, hinge_frames
+from ...model.tree_as_mechanism.frames import Base, Frames, hinge_frames, refuse_foreign
 from ...model.tree_as_mechanism.hinges import (
     HingeJoints,
     add_closures,
@@ -35,7 +35,6 @@ from ...model.tree_as_mechanism.hinges import (
     add_prescribed,
     tree_loads,
 )
-from ...model.tree_as_mechanism.limits import refuse_foreign
 from ...model.tree_as_mechanism.poses import elastic_start, first_poses, repeated_in_planar_tree
 from ..checkpoint import taken
 from ..projection import RESIDUAL_MET, largest

@@ -10,7 +10,7 @@ from ...kernels.constrained.report import observe_rows
 from ...kernels.constrained.system import NO_INERTIA, SOLVED, System
 from ...model.arrays.constraint_table import tilde
 from ...model.arrays.contacts import columns_of_answers
-from ...model.arrays.laws import fill_law
+from ...model.arrays.function_table import fill_law
 from ...model.arrays.records import FORCE, FRICTION, TORQUE
 from ...model.flexible_mechanism import NodePoint
 from ...model.laws import SPRING

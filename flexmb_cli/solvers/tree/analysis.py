@@ -163,7 +163,7 @@ class TreeAnalysis:
         if method == "dop853":
             return self.rows_of_steps(self.integrate_rows)
         if method == "sdirk4":
-            from .implicit import implicit_rows
+            from .scipy_integrators import implicit_rows
 
             return implicit_rows(self)
         from .scipy_integrators import library_rows

@@ -17,8 +17,7 @@ from ...model.equations import DEPENDENT
 from ...model.joint_elements import Coupling
 from ...model.tree import ASSEMBLED_GAP, ELASTIC, TRANSLATION, Closure, Tree
 from ...model.tree_as_mechanism.poses import repeated_in_planar_tree
-from ..assembly import DAMPINGS, OTHER_STARTS
-from ..levenberg_marquardt import least_squares
+from ..assembly import DAMPINGS, OTHER_STARTS, least_squares
 
 if TYPE_CHECKING:
     from .analysis import TreeAnalysis

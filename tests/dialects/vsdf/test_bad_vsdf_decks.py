@@ -167,8 +167,8 @@ def test_more_springs_than_memory_allows_are_refused(monkeypatch):
 def test_the_fields_of_a_card_with_a_list_are_bounded(monkeypatch):
     """Each takes some hundred bytes while its card is read."""
     text = changed(("OUTN\n    2    3\n", f"OUTN\n    2{5 * '    3'}\n"))
-    monkeypatch.setattr("flexmb_cli.dialects.vsdf.data_cards.one_card._MOST_FIELDS", 6)
+    monkeypatch.setattr("flexmb_cli.dialects.vsdf.data_cards._MOST_FIELDS", 6)
     assert not any("has at most" in message for message in reported(text))
-    monkeypatch.setattr("flexmb_cli.dialects.vsdf.data_cards.one_card._MOST_FIELDS", 5)
+    monkeypatch.setattr("flexmb_cli.dialects.vsdf.data_cards._MOST_FIELDS", 5)
     (message,) = reported(text)
     assert message.endswith("a card has at most 5 fields; continue on a further one")

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmb_cli.deck import lazy, many_records, number_table
+from flexmb_cli.deck import lazy, many_records
 from flexmb_cli.deck.record import DeckText
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.vsdf.build import build_model, build_vsdf
@@ -42,7 +42,7 @@ MANY_SORTS = changed(
 def many(monkeypatch):
     """Decks of any size are read and built as large ones are."""
     monkeypatch.setattr(many_records, "MANY_NUMBERS", 3)
-    monkeypatch.setattr(number_table, "MANY_RECORDS", 0)
+    monkeypatch.setattr(many_records, "MANY_RECORDS", 0)
     monkeypatch.setattr("flexmb_cli.dialects.vsdf.nodes.MANY_RECORDS", 0)
     monkeypatch.setattr(build_mechanism, "MANY_PARTS", 0)
 
@@ -103,7 +103,7 @@ def test_faults_of_a_large_deck_are_those_of_a_small_one(request):
 def test_columns_of_a_large_deck_are_numbers(many):
     """Those without a default were arrays of objects, which take four times the memory."""
     deck = read_deck(DeckText("x", RIGID, ""), "vsdf")
-    numbers = number_table.column(deck.section("node"), "node")
+    numbers = many_records.column(deck.section("node"), "node")
     assert numbers.dtype == float and numbers.tolist() == [1, 2, 1, 2, 3, 4, 1, 2, 3]
 
 

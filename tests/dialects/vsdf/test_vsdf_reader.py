@@ -2,8 +2,8 @@
 
 import pytest
 
+from flexmb_cli.deck.many_records import DeckValues
 from flexmb_cli.deck.record import DeckText
-from flexmb_cli.deck.records import DeckValues
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.vsdf import bodies

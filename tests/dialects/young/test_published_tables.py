@@ -9,7 +9,7 @@ from collections import Counter
 
 import pytest
 
-from flexmb_cli.dialects.young.errata import YOUNG_ERRORS, KnownError
+from flexmb_cli.dialects.young.listing_reader import YOUNG_ERRORS, KnownError
 from tests.dialects.young.published_cells import cells_of
 from tests.solvers.kinematics.solved import DECKS
 

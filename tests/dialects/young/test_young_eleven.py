@@ -13,7 +13,7 @@ from flexmb_cli.deck.table_columns import Columns
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.young.build import build_young
-from flexmb_cli.dialects.young.listing_rows import row_fault
+from flexmb_cli.dialects.young.listing_reader import row_fault
 from flexmb_cli.errors import DeckError, ModelError
 from tests.dialects.young.young_decks import PENDULUM
 

@@ -9,8 +9,7 @@ import re
 import pytest
 
 from flexmb_cli.deck.table_columns import SECTIONS
-from flexmb_cli.dialects.young.errata import YOUNG_ERRORS
-from flexmb_cli.dialects.young.listing_reader import parse_listing
+from flexmb_cli.dialects.young.listing_reader import YOUNG_ERRORS, parse_listing
 from flexmb_cli.results.diff.compare import compare
 from flexmb_cli.results.diff.listings import compare_listings
 from flexmb_cli.results.diff.tolerances import Tolerances

@@ -17,8 +17,7 @@ from click.testing import CliRunner
 from flexmb_cli.cli.check import check
 from flexmb_cli.cli.report import report
 from flexmb_cli.results.figures.curves import Curve, Panel
-from flexmb_cli.results.figures.report_curves import curve_figure
-from flexmb_cli.results.figures.report_page import report_page
+from flexmb_cli.results.figures.report_page import curve_figure, report_page
 from flexmb_cli.results.figures.report_scene import (
     MOST_SCENE_FRAMES,
     frame_rows,

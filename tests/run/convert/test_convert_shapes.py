@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.interface import solve
-from flexmb_cli.model.exchange.shapes import angles_of
+from flexmb_cli.model.exchange.rigid_model import angles_of
 from flexmb_cli.model.shapes import turning
 from flexmb_cli.model.vectors import rotation_matrix
 from flexmb_cli.results.figures.scene import read_scene

@@ -15,8 +15,7 @@ from ....deck.fortran_fields import filled
 from ....deck.record import Number, Record
 from ....model.exchange.function_cards import FunctionCards
 from ....model.exchange.functions import points_of, value_of
-from ....model.exchange.rigid_model import Refusals, RigidModel
-from ....model.exchange.shapes import shifted
+from ....model.exchange.rigid_model import Refusals, RigidModel, shifted
 from ....model.joints import ANGLE
 from ....model.laws import Element, Frames
 from ....model.loads import AppliedTorque

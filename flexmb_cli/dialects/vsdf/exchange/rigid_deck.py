@@ -7,8 +7,7 @@ import numpy as np
 
 from ....model.exchange.function_cards import FunctionCards, without_card
 from ....model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
-from ....model.exchange.rigid_model import Refusals, RigidBody, RigidJoint, RigidModel, across
-from ....model.exchange.shapes import notes_of
+from ....model.exchange.rigid_model import Refusals, RigidBody, RigidJoint, RigidModel, across, notes_of
 from ....model.integrators import METHODS
 from ....model.joints import ANGLE
 from ....model.mechanism import GROUND

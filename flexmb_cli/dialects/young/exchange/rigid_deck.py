@@ -7,8 +7,7 @@ import numpy as np
 
 from ....model.exchange.function_cards import FunctionCards
 from ....model.exchange.functions import constant, polynomial_of, value_of
-from ....model.exchange.rigid_model import Refusals, RigidJoint, RigidModel, across
-from ....model.exchange.shapes import notes_of
+from ....model.exchange.rigid_model import Refusals, RigidJoint, RigidModel, across, notes_of
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS, ShapeCard
 from ...elements_block.writer import BlockWriter, block, numbers

@@ -13,8 +13,7 @@ from ....model.arrays.kinematic import screw_values
 from ....model.attitudes import Attitudes
 from ....model.exchange.conversion import Conversion, End, Start, place_of, poses
 from ....model.exchange.functions import constant
-from ....model.exchange.rigid_model import BodyDriver, RigidBody, RigidJoint, RigidModel, vector
-from ....model.exchange.shapes import shifted
+from ....model.exchange.rigid_model import BodyDriver, RigidBody, RigidJoint, RigidModel, shifted, vector
 from ....model.joint_elements import Coupling
 from ....model.loads import DynamicModel
 from ....model.mechanism import GROUND, Driver, Point, Simplified, TimeGrid

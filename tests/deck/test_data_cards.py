@@ -7,15 +7,14 @@ import pytest
 
 from flexmb_cli.deck import many_records
 from flexmb_cli.deck.record import DeckText
-from flexmb_cli.dialects.vsdf import fields, reader
+from flexmb_cli.dialects.vsdf import data_cards, fields, reader
 from flexmb_cli.dialects.vsdf.card import WIDTHS
 from flexmb_cli.dialects.vsdf.cards import CARDS
-from flexmb_cli.dialects.vsdf.data_cards import plain
-from flexmb_cli.dialects.vsdf.data_cards.one_card import CardReader
+from flexmb_cli.dialects.vsdf.data_cards import CardReader
 from flexmb_cli.errors import DeckError
 from tests.dialects.vsdf.vsdf_decks import build, changed, read
 
-PLAIN = [card for card in CARDS if plain.is_plain(card)]
+PLAIN = [card for card in CARDS if data_cards.is_plain(card)]
 SPELT = {"I": ("1", "-20", "+3"), "F": ("1.5", "-.25", "2.", "3e-4", "1E5", "7")}
 
 
@@ -47,7 +46,7 @@ def test_every_plain_card_has_the_numbers_and_places_of_its_fields(card):
         required = max((k for k, column in enumerate(card.columns, 1) if column.default is None), default=1)
         lines += [",".join(given[:required]), by_columns(card, given[:required])]
     for line in lines:
-        assert plain.numbers(card, line, 1) == found_singly(card, line), line
+        assert data_cards.numbers(card, line, 1) == found_singly(card, line), line
 
 
 FORCE = next(card for card in PLAIN if card.word == "FORC")
@@ -62,7 +61,7 @@ FORCE = next(card for card in PLAIN if card.word == "FORC")
     ],
 )  # fmt: skip
 def test_what_is_not_plain_is_left_to_the_reader_of_single_fields(line):
-    assert plain.matched(FORCE, line) is None
+    assert data_cards.matched(FORCE, line) is None
 
 
 def test_the_cards_of_a_large_deck_are_taken_apart_once_at_most(monkeypatch):
