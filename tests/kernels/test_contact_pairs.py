@@ -6,8 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from flexmb_cli.kernels.contact import CONTACT_COLUMNS, COORDINATE, SPEED, answer_contact
 from flexmb_cli.model.arrays.contacts import fill_contact
-from flexmb_cli.model.arrays.records import LAW
-from flexmb_cli.model.arrays.records import TOUCH
+from flexmb_cli.model.arrays.records import LAW, TOUCH
 from flexmb_cli.model.laws import CONTACT, PAIRS, Element, Touch
 
 STEP = 1e-6  # s
