@@ -67,10 +67,12 @@ class Fault:
         severity, message, place, subject, guide, about, name = record
         return cls(severity, message, place and Place(*place), subject, tuple(guide), about, name)
 
-    def as_dict(self) -> dict[str, Any]:
-        """Plain record for `--json`."""
-        line, column = self.place[:2] if self.place else (None, None)
+    def as_dict(self, lines: "Sequence[str]" = ()) -> dict[str, Any]:
+        """Plain record for `--json`; `lines` as in `compiler_style`, "file" that of another than the deck."""
+        own, place, _ = _located(self, lines)
+        line, column = place[:2] if place else (None, None)
         return {
+            **({"file": own} if own else {}),
             "id": self.id,
             "severity": self.severity,
             "object": self.subject or self.about,
@@ -204,7 +206,8 @@ class OutputError(FlexmbError):
 def compiler_style(deck_name: str, faults: "Sequence[Any]", lines: "Sequence[str]" = ()) -> str:
     """Text of `faults` as compilers print them: place, severity, sentence, the line and a caret.
 
-    `lines` are the deck's lines; a fault without a place shows neither line nor caret.
+    `lines` are the deck's lines, which may know another place where they were read (`deck.lines.Lines`); a
+    fault without a place shows neither line nor caret.
     """
     deck_name = visible(deck_name)
     blocks = [_one_fault(deck_name, fault, lines) for fault in _most_serious(faults)]
@@ -222,18 +225,29 @@ def _most_serious(faults: "Sequence[Any]") -> "Sequence[Any]":
 
 
 def _one_fault(deck_name: str, fault: Fault, lines: "Sequence[str]") -> str:
-    if fault.place is None:
+    file, place, text = _located(fault, lines)
+    deck_name = visible(file) or deck_name
+    if place is None:
         return f"{deck_name}: {fault.severity}: {visible(fault.sentence)}"
-    place = fault.place
     head = f"{deck_name}:{place.line}:{place.column}: {fault.severity}: {visible(fault.sentence)}"
-    if not 1 <= place.line <= len(lines):
+    if text is None:
         return head
-    before, line = _excerpt(lines[place.line - 1], place.column - 1)
+    before, line = _excerpt(text, place.column - 1)
     # Tabs are kept in front of the caret, so that it stands below its token at any tab width.
     lead = "".join("\t" if char == "\t" else " " for char in line[:before])
     lead = lead.ljust(before)
     shown = (*fault.guide, line, lead + "^" * max(1, place.width))
     return "\n    ".join((head, *shown))
+
+
+def _located(fault: Fault, lines: "Sequence[str]") -> tuple[str, Place | None, str | None]:
+    """Return file ("": that of the deck), place and line of a fault as they were read."""
+    place, located = fault.place, getattr(lines, "located", None)
+    if place is not None and located is not None:
+        found: tuple[str, Place, str] = located(place)
+        return found
+    known = place is not None and 1 <= place.line <= len(lines)
+    return "", place, lines[place.line - 1] if place is not None and known else None
 
 
 def _excerpt(line: str, before: int) -> tuple[int, str]:

@@ -35,7 +35,7 @@ def read_deck(
 
     words = tuple(f"{name}={value}" for name, value in (changes or {}).items())
     outcome = Outcome(os.fspath(path))
-    with _naming(outcome.deck):
+    with _naming(outcome):
         deck = open_deck(outcome.deck, RunOptions(dialect=dialect, changes=words), outcome)
     return OpenDeck(deck, outcome.deck, words, tuple(outcome.faults))
 
@@ -96,7 +96,8 @@ def solve(deck: OpenDeck | str | os.PathLike[str], **options: float | str) -> Re
 
     opened = deck if isinstance(deck, OpenDeck) else read_deck(deck)
     run = Run(Outcome(opened.path), _run_options(options))
-    with _naming(opened.path):
+    run.outcome.source = opened.deck.source
+    with _naming(run.outcome):
         solution, of_model = prepared(opened.deck, run)
         blocks: list[Mapping[str, np.ndarray]] = []
         try:
@@ -119,15 +120,17 @@ def _run_options(options: dict[str, Any]) -> "RunOptions":
 
 
 @contextmanager
-def _naming(path: str) -> Iterator[None]:
+def _naming(outcome: "Outcome") -> Iterator[None]:
     """Put the deck's name and the place of the fault in front of the message of a FlexmbError."""
     try:
         yield
     except FlexmbError as failure:
         if not failure.file:
             fault = next((f for f in failure.faults if f.severity == "error"), failure.faults[0])
-            place = "".join(f":{number}" for number in fault.place[:2]) if fault.place else ""
-            failure.file, failure.args = path, (f"{path}{place}: {failure}",)
+            place = fault.as_dict(outcome.lines)
+            file = place.get("file", outcome.deck)
+            at = f":{place['line']}:{place['column']}" if fault.place else ""
+            failure.file, failure.args = outcome.deck, (f"{file}{at}: {failure}",)
         raise
 
 

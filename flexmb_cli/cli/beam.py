@@ -79,15 +79,15 @@ def _text(made: Any, ndm: Any, whole: bool, title: str, into: str | None, body: 
 
 def _deck_with(made: Any, path: str, body: Any) -> str:
     """The deck at `path` with the beam in it; its faults are shown like those of `check`."""
-    from ..deck.text import read_text
     from ..dialects.dafms import DIALECT
     from ..dialects.dafms.beam_cards import with_beam
+    from ..dialects.recognise import open_text, read_deck
 
     lines: Sequence[str] = ()
     try:
-        source = read_text(path)
+        source = open_text(path, DIALECT.name)
         lines = source.lines
-        return with_beam(DIALECT.read(source), body, made)
+        return with_beam(read_deck(source, DIALECT.name), body, made)
     except FlexmbError as failure:
         click.echo(compiler_style(path, failure.faults, lines), err=True)
         sys.exit(failure.exit_code)

@@ -83,7 +83,7 @@ def convert(
                 notices.say(f"{output}: of an earlier call, now {stale}")
             refuse_foreign([output], force, "".join(text.splitlines(keepends=True)[:2]))
             write_whole(output, text.encode("utf-8"))
-    notices.add_of_deck(tuple(dict.fromkeys(outcome.faults)), outcome.source.lines if outcome.source else ())
+    notices.add_of_deck(tuple(dict.fromkeys(outcome.faults)), outcome.lines)
     notices.say(f"{deck} → {reported(output)}")
     notices.end(file=output)
 

@@ -231,9 +231,8 @@ class _Talk:
         finally:
             trial.discard()
         outcome.deck = self.path
-        lines = outcome.source.lines if outcome.source else ()
         if outcome.faults:
-            click.echo(compiler_style(self.path, outcome.faults, lines), err=True)
+            click.echo(compiler_style(self.path, outcome.faults, outcome.lines), err=True)
         if outcome.exit_code == 0:
             return True
         if not self.at_terminal:

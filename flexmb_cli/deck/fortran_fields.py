@@ -7,12 +7,12 @@ def filled(value: float, width: int) -> str:
     """The spelling of `value` in at most `width` columns that reads back closest to it.
 
     Always with a decimal point, which overrides the one a FORMAT implies; without it `width` columns
-    would be read as a number with decimals.
+    would be read as a number with decimals.  "" where they are too few.
     """
     if value == 0:
         return "0.0"
     spellings = [text for text in (_fixed(value, width), _exponential(value, width)) if text]
-    return min(spellings, key=lambda text: abs(float(text) - value))
+    return min(spellings, key=lambda text: abs(float(text) - value), default="")
 
 
 def _fixed(value: float, width: int) -> str:

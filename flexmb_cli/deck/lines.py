@@ -3,9 +3,11 @@
 import re
 from array import array
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import chain
 from typing import Any
+
+from ..errors import Place
 
 _LINE_END = re.compile(r"\r\n?|\n")
 _AT_ONCE, _MOST_PIECES = 256, 8  # lines that are cut out at once, and how many such pieces are kept
@@ -14,17 +16,18 @@ _AT_ONCE, _MOST_PIECES = 256, 8  # lines that are cut out at once, and how many 
 class Lines(Sequence[str]):
     """The lines of `text` without their ends (LF, CR LF or CR); the last one ends with the text.
 
-    `starts`: the offset of each line's first character.
+    `starts`: the offset of each line's first character; `located`: of an expanded text, function of a place
+    in it: file, place and line as they were read.
     """
 
-    def __init__(self, text: str):
-        self.text = text
+    def __init__(self, text: str, located: Callable[[Place], tuple[str, Place, str]] | None = None):
+        self.text, self.located = text, located
         self.starts = array("i", [0])
         self._pieces: dict[int, list[str]] = {}
         self.starts.extend(found.end() for found in _LINE_END.finditer(text))
 
-    def __reduce__(self) -> tuple[type, tuple[str]]:
-        return Lines, (self.text,)
+    def __reduce__(self) -> tuple[type, tuple[Any, ...]]:
+        return Lines, (self.text, self.located)
 
     def __len__(self) -> int:
         return len(self.starts)
@@ -68,6 +71,11 @@ class Lines(Sequence[str]):
     def end(self) -> tuple[int, int]:
         """Return line and column just after the last character that is neither blank nor a line end."""
         return self.place_of(len(self.text.rstrip())) if self.text.strip() else (1, 1)
+
+    def reported(self, place: Place) -> str:
+        """Return the line of a place as it was read: its number, and the file where it is not the deck's."""
+        file, read, _ = self.located(place) if self.located else ("", place, "")
+        return f"{file}:{read.line}" if file else str(read.line)
 
     def _cut(self, first: int, end: int) -> list[str]:
         piece = self.text[self.starts[first] : self.start_of(end)]

@@ -10,6 +10,8 @@ from ..errors import Fault, Place
 from .lines import Lines
 
 if TYPE_CHECKING:
+    from .expansion.expressions import Formula
+    from .expansion.includes import Expansion
     from .many_records import ManyRecords
 
 
@@ -21,18 +23,20 @@ Value = Any
 class DeckText:
     """A deck as read: `name` is the file name without folder ("-" for standard input).
 
-    `warnings` are the warnings about the text itself, such as its character code.
+    `warnings` are the warnings about the text itself, such as its character code; `expansion`: of a text with
+    variables or included files, where it comes from.
     """
 
     name: str
     text: str
     sha256: str
     warnings: tuple[Fault, ...] = ()
+    expansion: "Expansion | None" = None
 
     @cached_property
     def lines(self) -> Lines:
         """The text's lines without their ends (LF, CR LF or CR)."""
-        return Lines(self.text)
+        return Lines(self.text, self.expansion.located if self.expansion else None)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)  # of large decks there are millions
@@ -126,7 +130,8 @@ class Deck:
     `slips`, also among the `warnings`, are lines that seem to have lost a number: when the model
     proves wrong, they are the likely cause.  `settings` are the changes by `--set`, "NAME=VALUE" each,
     `options` what the run was reported of how to solve it, "rtol=1e-06" for instance; `model`: which of
-    several models of a DAFMS deck it is, 0 for the only one.
+    several models of a DAFMS deck it is, 0 for the only one; `variables`: those of lines SET by their names,
+    `formulas`: of the numbers that have some, by their full names.
     """
 
     dialect: str
@@ -137,6 +142,8 @@ class Deck:
     settings: tuple[str, ...] = ()
     options: tuple[str, ...] = ()
     model: int = 0
+    variables: Mapping[str, Number] = field(default_factory=dict[str, Number])
+    formulas: "Mapping[str, Formula]" = field(default_factory=dict[str, "Formula"])
 
     def section(self, name: str) -> Sequence[Record]:
         """All records of one section, in the deck's order."""

@@ -55,6 +55,7 @@ class Dialect(NamedTuple):
     # three components by section, "driver" or "point"; record n is item n of the model.
     as_given: Mapping[str, tuple[str, ...]] = MappingProxyType({})
     any_units: bool = False  # whether its numbers may be in any consistent units, and not in SI only
+    by_columns: bool = False  # whether cards are read by columns
     second_model: str = ""  # function as `builder` of another model with the same motion, for `verify`
 
     @property

@@ -6,7 +6,9 @@ from dataclasses import replace
 from importlib import import_module
 from itertools import islice
 
+from ..deck.expansion.includes import is_expandable, refuse_faulty, with_includes
 from ..deck.record import Deck, DeckText
+from ..deck.text import read_text
 from ..deck.words import UNCLOSED, Word, words
 from ..errors import DeckError, Fault
 from ..memory import without_collector
@@ -19,15 +21,56 @@ _FIRST_LINES = 20  # that are not blank
 _FIRST_WORDS = 60  # of a deck with a title
 
 
+def open_text(path: str, dialect: str = AUTO, changes: Sequence[str] = ()) -> DeckText:
+    """Return the text of the deck at `path` with the files that it includes and the values of its variables.
+
+    `changes` ("NAME=VALUE") may give variables other values.  Raises DeckError for a file that cannot be
+    read; what is wrong with variables is raised where the deck is read.
+    """
+    source = read_text(path)
+    if not is_expandable(source.text):
+        return source
+    from ..deck.expansion.variables import with_variables
+
+    source = with_includes(source, path)
+    try:
+        name = recognise(source.lines) if dialect == AUTO else dialect
+    except DeckError:
+        return source  # reading it raises the same
+    return with_variables(source, dialect_named(name).by_columns, changes)
+
+
 def read_deck(source: DeckText, dialect: str = AUTO) -> Deck:
     """Return the deck in the given dialect, or in the one it begins like.
 
     The warnings about the text stand before those of the reader.  Raises DeckError.
     """
+    refuse_faulty(source)
     name = recognise(source.lines) if dialect == AUTO else dialect
     with without_collector():
-        deck = dialect_named(name).read(source)
+        deck = dialect_named(name).read(source) if source.expansion is None else _expanded(source, name)
     return replace(deck, warnings=(*source.warnings, *deck.warnings))
+
+
+def _expanded(source: DeckText, name: str) -> Deck:
+    """Return the deck of a text with variables, whole numbers being where its reader wants them."""
+    from ..deck.expansion.variables import bound, wanted_whole
+
+    while True:
+        deck, failure = None, None
+        try:
+            deck = dialect_named(name).read(source)
+        except DeckError as fault:
+            failure = fault
+        faults = failure.faults if failure else deck.warnings if deck else ()
+        changed = wanted_whole(source, faults)
+        if changed is None:
+            break
+        source = changed
+    if deck is None:
+        assert failure is not None, "it was not read"
+        raise failure
+    return bound(deck)
 
 
 def dialect_named(name: str) -> Dialect:

@@ -44,7 +44,7 @@ class SettableDeck:
             self._index = {record.prefix: index for index, record in enumerate(deck.records)}
 
     def __contains__(self, name: str) -> bool:
-        return self._place(name) is not None
+        return name in self.deck.variables or self._place(name) is not None
 
     def unknown(self, name: str) -> str:
         """Return what to say of a name that the deck lacks."""
@@ -83,11 +83,13 @@ class SettableDeck:
 
     def with_settings(self, settings: list[str]) -> Deck:
         """Return the records as `apply_settings` does."""
-        changes, taken, faults = {}, [], []
+        changes: dict[str, Number] = {}
+        variables: dict[str, Number] = {}
+        taken, faults = [], []
         for setting in settings:
             try:
                 name, changed = self._change(setting)
-                changes[name] = changed
+                (variables if name in self.deck.variables else changes)[name] = changed
                 taken.append(f"{name}={changed.text}")
             except _Unusable as fault:
                 shown = setting if len(setting) <= MOST_SHOWN else f"{setting[:MOST_SHOWN]}…"
@@ -95,25 +97,56 @@ class SettableDeck:
                 faults.append(Fault("error", message, about=name, id=fault.id))
         if faults:
             raise DeckError(faults)
-        records = self._with_changes(changes)
-        return replace(self.deck, records=records, settings=(*self.deck.settings, *taken))
+        records = self._with_changes(self._following(variables) | changes if variables else changes)
+        return replace(
+            self.deck,
+            records=records,
+            settings=(*self.deck.settings, *taken),
+            variables={**self.deck.variables, **variables},
+        )
+
+    def _following(self, variables: Mapping[str, Number]) -> dict[str, Number]:
+        """Return the numbers of the deck that other values of variables change."""
+        from ..deck.expansion.variables import changed_by
+
+        changes, faults = {}, []
+        for name, value in changed_by(self.deck, {key: one.value for key, one in variables.items()}).items():
+            index, key = self._place(name)
+            known = self.deck.records[index].at(key)
+            if value == known.value:
+                continue
+            whole = isinstance(known.value, int)
+            if name.startswith(f"{COUNTS}.") or (whole and not value.is_integer()):
+                why = "must be an integer" if whole else "is a count, on which the deck's layout hangs"
+                message = f"{name} {why}; {', '.join(variables)} cannot be set to give {value:.15g}"
+                faults.append(Fault("error", message, known.place, id="DECK-094"))
+            changes[name] = replace(known, value=int(value) if whole else value, text=f"{value:.15g}")
+        if faults:
+            raise DeckError(faults)
+        return changes
 
     def _change(self, setting: str) -> tuple[str, Number]:
         name, equals, word = (part.strip() for part in setting.partition("="))
         if not equals:
             raise _Unusable("write NAME=VALUE, such as time.end=2.5", id="DECK-057")
+        if name in self.deck.variables:
+            return name, self._read(name, self.deck.variables[name], word)
         place = self._place(name)
         if place is None:
             raise _Unusable(self.unknown(name), id="DECK-058")
         if name.startswith(f"{COUNTS}."):
             raise _Unusable("a count cannot be set: the deck's layout hangs on it", id="DECK-059")
-        known = self.deck.records[place[0]].at(place[1])
+        return name, self._read(name, self.deck.records[place[0]].at(place[1]), word)
+
+    @staticmethod
+    def _read(name: str, known: Number, word: str) -> Number:
+        """Return a number with the value that a word spells."""
         read = number.integer if isinstance(known.value, int) else number.real
         try:
             value, _ = read(word)
         except number.Misspelt as fault:
             raise _Unusable(f"{name} {fault}", id="DECK-016") from None
-        return name, replace(known, value=value, text=word, place=None)
+        return replace(known, value=value, text=word, place=None)
 
     def _with_changes(self, changes: Mapping[str, Number]) -> Any:
         """The records with new numbers; those left alone stay the same objects."""

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 from ..deck.number import MOST_DIGITS
 from ..deck.record import Deck
 from ..deck.several_models import changes_of, named_model, only_model
-from ..deck.text import STANDARD_INPUT, read_text
-from ..dialects.recognise import dialect_named, read_deck
+from ..deck.text import STANDARD_INPUT
+from ..dialects.recognise import dialect_named, open_text, read_deck
 from ..errors import Fault
 from ..solvers.as_printed.errors import AS_PRINTED
 from .outcome import LOOP_TOLERANCE, SOLVER_OPTIONS, Outcome, Run, RunOptions
@@ -122,7 +122,7 @@ def open_deck(path: str, options: RunOptions, outcome: Outcome) -> Deck:
     `path` may be `2:PATH`, the second model of a deck.
     """
     name, model = named_model(path)
-    outcome.source = source = read_text(name)
+    outcome.source = source = open_text(name, options.dialect, options.changes)
     changes = changes_of(options.changes, source, model)
     if model:
         source = only_model(source, model)

@@ -1,6 +1,6 @@
 """Options of a run, its outcome, and the context of both that goes from the command to the analysis."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Protocol
@@ -146,6 +146,11 @@ class Outcome:
     notices: list[Fault] = field(default_factory=list)
 
     @property
+    def lines(self) -> Sequence[str]:
+        """The lines of the deck once it is read, for places."""
+        return self.source.lines if self.source else ()
+
+    @property
     def status(self) -> str:
         """The outcome in one word, for `--json`."""
         words = {0: "complete", 1: "failed", 2: "bad input", 3: "internal fault"}
@@ -158,7 +163,9 @@ class Outcome:
             "settings": list(self.settings),
             "status": self.status,
             "exit_code": self.exit_code,
-            "faults": [{"file": self.deck} | fault.as_dict() for fault in (*self.faults, *self.notices)],
+            "faults": [
+                {"file": self.deck} | fault.as_dict(self.lines) for fault in (*self.faults, *self.notices)
+            ],
             "time": self.failed_at,
             "norms": self.norms,
             "rows": self.rows,

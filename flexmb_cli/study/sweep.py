@@ -12,7 +12,7 @@ from .. import __version__
 from ..deck.lines import Lines
 from ..deck.record import Deck, DeckText
 from ..deck.text import read_text
-from ..dialects.recognise import CHOOSES, read_deck
+from ..dialects.recognise import CHOOSES, open_text, read_deck
 from ..errors import ANALYSIS_FAILED, INTERNAL_FAULT, DeckError, Fault, OutputError
 from ..memory import with_present_objects_frozen
 from ..run.outcome import Listener, RunOptions, Stop
@@ -190,7 +190,7 @@ def _readable_deck(path: str, study: Study) -> DeckText:
             raise DeckError(
                 [Fault("error", "is no regular file, but a folder, a pipe or a device", id="STUDY-018")]
             )
-        text = read_text(path)
+        text = open_text(path, study.dialect)
     with reported_at(path, text.lines):
         try:
             read_deck(text, study.dialect)
@@ -279,7 +279,7 @@ def _head(sweep: Sweep) -> TableHead:
 
 
 def _parameter_columns(sweep: Sweep) -> Iterator[Column]:
-    numbers = dict(sweep.deck.numbers())
+    numbers = dict(sweep.deck.numbers()) | dict(sweep.deck.variables)
     for item in sweep.job.study.parameters:
         number = numbers[item.name]
         yield Column(f"parameter/{item.name}", number.unit or "1", number.meaning)

@@ -97,5 +97,4 @@ def show_faults(outcome: Outcome, quiet: bool) -> None:
         if not quiet or fault.severity == "error" or fault.id in _SHOWN_ALWAYS
     ]
     if faults:
-        lines = outcome.source.lines if outcome.source else ()
-        click.echo(compiler_style(outcome.deck, faults, lines), err=True)
+        click.echo(compiler_style(outcome.deck, faults, outcome.lines), err=True)

@@ -63,6 +63,7 @@ class Notices:
         self.about = {role: file}
         self.file, self.quiet, self.as_json = file, quiet, as_json
         self.faults: list[tuple[str, Fault]] = []  # with the file that each is about
+        self.lines: Sequence[str] = ()  # of the deck
 
     @contextmanager
     def failures(self) -> Iterator[None]:
@@ -85,6 +86,7 @@ class Notices:
     def add_of_deck(self, faults: Sequence[Fault], lines: Sequence[str]) -> None:
         """Print notes on a deck with their places in its `lines`, and keep them for the object."""
         self.faults += [(self.file, fault) for fault in faults]
+        self.lines = lines
         if faults and not self.quiet:
             click.echo(compiler_style(self.file, faults, lines), err=True)
 
@@ -96,6 +98,6 @@ class Notices:
     def end(self, status: str = "complete", exit_code: int = DONE, **more: Any) -> None:
         """Print the object of a command that has ended; `more`: what it has besides the faults."""
         if self.as_json:
-            faults = [{"file": file} | fault.as_dict() for file, fault in self.faults]
+            faults = [{"file": file} | fault.as_dict(self.lines) for file, fault in self.faults]
             record = self.about | {"status": status, "exit_code": exit_code, "faults": faults} | more
             click.echo(json.dumps(record))

@@ -27,4 +27,5 @@ DIALECT = Dialect(
     rigid_model="exchange.rigid_model:rigid_model",
     programs=("mjcf",),
     rigid_deck="exchange.rigid_deck:rigid_deck",
+    by_columns=True,
 )

@@ -33,4 +33,5 @@ DIALECT = Dialect(
     second_model="exchanged_frames:exchanged_model",
     rigid_model="exchange.rigid_model:rigid_model",
     rigid_deck="exchange.rigid_deck:rigid_deck",
+    by_columns=True,
 )

@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ...deck.text import read_text
-from ...dialects.recognise import dialect_named, read_deck
+from ...dialects.recognise import dialect_named, open_text, read_deck
 from ...errors import AnalysisError, DeckError, Fault
 from ...model.mechanism import Mechanism
 from ...solvers.as_printed.errors import ALL_ERRORS, AS_PRINTED
@@ -32,7 +31,7 @@ class Emulation:
     """Listing that the program of 1996 would print of a deck, with all errors and without each of them."""
 
     def __init__(self, path: str):
-        deck = read_deck(read_text(path))
+        deck = read_deck(open_text(path))
         dialect, mechanism = dialect_named(deck.dialect), None
         if AS_PRINTED in dialect.options:
             mechanism, _ = dialect.build(deck, Path())

@@ -298,7 +298,8 @@ def _echo(result: h5py.File) -> str:
     """Every number of the deck with its meaning, folded; the text alone where it cannot be read."""
     name, digest, dialect = (attribute(result, key) for key in ("deck_name", "deck_sha256", "dialect"))
     text = DeckText(name, _deck(result), digest)
-    settings = settings_of(result)
+    # Those of variables are in the text.
+    settings = [setting for setting in settings_of(result) if "." in setting.partition("=")[0]]
     try:
         reported = echo(apply_settings(read_deck(text, dialect), settings))
     except DeckError as failure:

@@ -1,5 +1,6 @@
 """The echo of a deck: every number as it was understood, for `--echo`."""
 
+from ...deck.lines import Lines
 from ...deck.record import Deck, Number, Record
 from ...dialects.recognise import dialect_named
 from ...errors import visible
@@ -14,7 +15,9 @@ def echo(deck: Deck) -> str:
     Line of the deck (`--set` for a number set there), readable name, value as typed, unit, meaning.  An
     empty field has what the model took for it, once that is built, else its default.
     """
-    rows = [HEADINGS, *(_row(record, number) for record in deck.records for number in record.numbers)]
+    lines = deck.source.lines
+    rows = [HEADINGS, *(_cells(name, number, number.text, lines) for name, number in deck.variables.items())]
+    rows += (_row(record, number, lines) for record in deck.records for number in record.numbers)
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return "".join(f"{line}\n" for line in (_title(deck), *(_aligned(row, widths) for row in rows)))
 
@@ -25,11 +28,14 @@ def _title(deck: Deck) -> str:
     return f"{name}: read as a {dialect.title} deck, which begins with {dialect.begins}"
 
 
-def _row(record: Record, number: Number) -> tuple[str, ...]:
-    line = str(number.place.line) if number.place else "--set"
+def _row(record: Record, number: Number, lines: Lines) -> tuple[str, ...]:
     value = number.text or str(record.made.get(number.key, number.value))
-    cells = f"{record.prefix}.{number.key}", value, number.unit or "-", number.meaning
-    return line, *map(visible, cells)
+    return _cells(f"{record.prefix}.{number.key}", number, value, lines)
+
+
+def _cells(name: str, number: Number, value: str, lines: Lines) -> tuple[str, ...]:
+    line = lines.reported(number.place) if number.place else "--set"
+    return line, *map(visible, (name, value, number.unit or "-", number.meaning))
 
 
 def _aligned(row: tuple[str, ...], widths: list[int]) -> str:
