@@ -161,7 +161,7 @@ class Deck:
             for number in record.numbers:
                 yield f"{record.prefix}.{number.key}", number
 
-    def with_values(self, changes: dict[str, float]) -> "Deck":
+    def with_values(self, changes: Mapping[str, Value]) -> "Deck":
         """A copy in which the numbers named in `changes` have other values (`--set`)."""
         records = tuple(
             record.with_numbers(

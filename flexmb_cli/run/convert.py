@@ -6,6 +6,7 @@ from typing import Any
 
 from ..deck.record import Deck, DeckText
 from ..dialects import DIALECTS
+from ..dialects.elements_block.line import has_outputs
 from ..dialects.recognise import dialect_named, read_deck
 from ..errors import DeckError, Fault, FlexmbError, ModelError, visible
 from ..model.exchange.conversion import Start
@@ -41,6 +42,9 @@ def converted(
         deck = open_deck(path, options, run.outcome)
         # What a file is called may come from anywhere, and must not be more than a word of the new file.
         name = visible(PurePath(deck.source.name).stem)
+        if has_outputs(deck):
+            message = "lines OUTPUT are left out: copy those that you need, with the numbers of the new deck"
+            run.outcome.faults.append(Fault("warning", message, id="RESULT-114"))
         if form in DIALECTS:
             _refuse_own(deck, form, (unit, to_unit))
             units = UNITS[unit], UNITS[to_unit]

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from .. import __version__
 from ..deck.record import Deck
+from ..dialects.elements_block.line import has_outputs
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
 from ..results.files.file_names import ResultPaths, refuse_foreign
 from ..solvers.compilation import report_damage
@@ -79,7 +80,8 @@ class Solution:
 
     If it is `resumable`, the analysis has a `checkpoint` behind every block, arrays by name, and
     `analysis.restore(checkpoint)` continues from it.  `variants()`: what solves variants of the model
-    together, or None.
+    together, or None.  `outputs` computes those of the deck anew for a block that is stored: the next block
+    continues it.
     """
 
     analysis: Analysis
@@ -93,6 +95,7 @@ class Solution:
     identity: dict[str, Any] = field(default_factory=dict)
     resumable: bool = True
     variants: "Callable[[], Variants | None]" = lambda: None
+    outputs: Callable[[Mapping[str, "np.ndarray"]], Mapping[str, "np.ndarray"]] = lambda values: values
 
     def blocks(self) -> Iterator[Mapping[str, "np.ndarray"]]:
         """Yield the blocks of values; raises as the analysis does."""
@@ -114,8 +117,32 @@ def solution_of(model: Any, run: Run) -> Solution:
 def prepared(deck: Deck, run: Run) -> tuple[Solution, list[Fault]]:
     """Return the solution of a deck, and the warnings about its model; raises ModelError."""
     refuse_foreign_method(deck, run.options)
-    solution = solution_of(model_of(deck, run), run)
+    solution = with_outputs(solution_of(model_of(deck, run), run), deck)
     return solution, solution.model_warnings()
+
+
+def with_outputs(solution: Solution, deck: Deck) -> Solution:
+    """Return the solution with the quantities of the deck's lines OUTPUT.  Raises ModelError."""
+    if not has_outputs(deck):
+        return solution
+    # Few decks have any.
+    from ..results.outputs.outputs import Outputs
+
+    layout = solution.layout()
+    outputs = Outputs(deck, layout)
+
+    def finer(run: Run) -> Iterator[Mapping[str, "np.ndarray"]] | None:
+        blocks = solution.finer(run)
+        return None if blocks is None else map(Outputs(deck, layout).of, blocks)
+
+    return replace(
+        solution,
+        layout=lambda: outputs.layout,
+        values=lambda rows: outputs.of(solution.values(rows)),
+        finer=finer,
+        variants=lambda: None,
+        outputs=outputs.of,
+    )
 
 
 def solve_deck(deck: Deck, paths: ResultPaths, run: Run) -> None:
@@ -246,7 +273,7 @@ class _RowWriter:
 
             for values in stored_blocks(resume_file, solution.layout()):
                 # The resume file has no rows of the second, finer run: that starts again.
-                yield self._with_errors(values)
+                yield self._with_errors(solution.outputs(values))
         elif self.run.options.resume:
             message = "nothing to resume; the run starts at its beginning"
             self.run.listener.notice(Fault("note", message, id="RUN-064"))

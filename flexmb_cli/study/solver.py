@@ -18,7 +18,7 @@ from ..results.hdf5.result_file import empty_result
 from ..results.quantities.quantities import SHOWS_ALL, Quantity, ResultError, resolve
 from ..run.model import model_of
 from ..run.outcome import Listener, Outcome, Run, RunOptions, Stop
-from ..run.solution import Solution, solution_of
+from ..run.solution import Solution, solution_of, with_outputs
 from .study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Cases, Kept, Study
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ class CaseSolver:
 
     def _solution(self, deck: Deck) -> Solution:
         run = Run(Outcome(os.path.join(self.folder, deck.source.name)), self.options, self.listener)
-        return solution_of(model_of(deck, run), run)
+        return with_outputs(solution_of(model_of(deck, run), run), deck)
 
     @property
     def at_once(self) -> int:

@@ -24,6 +24,7 @@ _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?)|\$?(?P<name>[A-Za-z_]\w*(?:\.\w+)*)"
     r'|"(?P<quoted>[^"]+)"|(?P<sign>\*\*|[-+*/^(),]))'
 )
+FORMULA = "formula"  # key of the text of one in a record
 CONSTANTS = {"pi": pi}
 
 

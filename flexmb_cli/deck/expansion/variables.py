@@ -13,7 +13,7 @@ from ...errors import DeckError, Fault, Place
 from ..fortran_fields import filled
 from ..number import Misspelt, real
 from ..record import Deck, DeckText, Number
-from .expressions import Formula, WrongFormula, evaluated, formula
+from .expressions import FORMULA, Formula, WrongFormula, evaluated, formula
 from .includes import Expansion, Piece, code_lines, unread, with_text
 
 WIDEST = 10  # columns of a field
@@ -206,7 +206,7 @@ def bound(deck: Deck) -> Deck:
         if lines[piece.line - 1][piece.column - 1 :].startswith(piece.text)
     }
     formulas: dict[str, Formula] = {}
-    exact: dict[str, float] = {}
+    exact: dict[str, float | str] = {}
     for name, number in deck.numbers():
         piece = pieces.get(number.place[:2]) if number.place else None
         if piece and number.text == piece.text and not isinstance(number.value, str):
@@ -214,11 +214,25 @@ def bound(deck: Deck) -> Deck:
             formulas[name] = piece.formula
             if piece.aligned and isinstance(number.value, float):
                 exact[name] = float(piece.formula.value(expansion.values.__getitem__))
+        elif number.key == FORMULA and number.place:
+            exact[name] = _with_names(number, pieces)
     if pieces:
         raise DeckError(unread(piece, "") for piece in pieces.values())
     deck = deck.with_values(exact) if exact and isinstance(deck.records, tuple) else deck
     variables = {name: _variable(name, value, expansion) for name, value in expansion.values.items()}
     return replace(deck, variables=variables, formulas=formulas)
+
+
+def _with_names(number: Number, pieces: dict[tuple[int, int], Piece]) -> str:
+    """Return the formula of an output with its variables in the places of their values."""
+    text, place = str(number.value), number.place
+    assert place is not None, "it is read"
+    for at in sorted(pieces, reverse=True):
+        start = at[1] - place.column
+        if at[0] == place.line and 0 <= start < len(text):
+            piece = pieces.pop(at)
+            text = f"{text[:start]}({piece.formula.text}){text[start + len(piece.text) :]}"
+    return text
 
 
 def _variable(name: str, value: float, expansion: Expansion) -> Number:

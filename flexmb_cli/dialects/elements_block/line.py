@@ -9,6 +9,7 @@ from ...errors import Place
 
 SECTION = "elements"
 MOST_ELEMENTS = 20_000  # of a deck; one takes up to 6 kB
+OUTPUT = "OUTPUT"  # word of quantities that results have besides
 # Words that bring in equations, or take those of the deck away.
 CONSTRAINING = ("DRIVE", "SUPPORT", "COUPLING", "JOINT")
 
@@ -49,3 +50,8 @@ class ElementLine(Record):
 def lines_of(deck: Deck) -> Sequence[ElementLine]:
     """Return the lines of the blocks of a deck."""
     return cast("Sequence[ElementLine]", deck.section(SECTION))
+
+
+def has_outputs(deck: Deck) -> bool:
+    """Return whether a deck has lines OUTPUT."""
+    return any(line.word == OUTPUT for line in lines_of(deck))

@@ -9,14 +9,15 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ...deck import number
+from ...deck.expansion.expressions import FORMULA
 from ...deck.lines import Lines
 from ...deck.record import Number
 from ...deck.words import Word
 from ...errors import Fault, FaultList, Place
 from ...model.laws import VECTOR
-from .line import MOST_ELEMENTS, SECTION, ElementLine
+from .line import MOST_ELEMENTS, OUTPUT, SECTION, ElementLine
 from .text import BLOCK, statements
-from .words import BY_WORD, COORDINATE, END, FILE, FUNCTION, NUMBER, POSITIONS, WHOLE, BlockWord, Key
+from .words import BY_WORD, COORDINATE, END, FILE, FUNCTION, NUMBER, OUTPUTS, POSITIONS, WHOLE, BlockWord, Key
 
 MOST_NUMBERS_OF_BLOCKS = 200_000  # of the blocks of a deck; longer tables stand in files
 NAME = re.compile(r"[A-Za-z0-9_-]+")
@@ -93,6 +94,8 @@ class BlockReader:
             message = f"there is no {number.shown(first.text)} in {BLOCK}{hint}"
             self._error(first, "", message, id="ELEMENTS-048")
             return
+        if word.word == OUTPUT and self._read_formula(word, first, rest):
+            return
         lone = next((piece for piece in words if piece.text in "()"), None)
         if lone is not None:
             self._error(lone, "", "each parenthesis is closed on the line where it opens", id="ELEMENTS-049")
@@ -103,6 +106,24 @@ class BlockReader:
             line = _Line(self, word, first, name, kind)
             line.read(rest)
             self._keep(line)
+
+    def _read_formula(self, word: BlockWord, first: Word, rest: list[Word]) -> bool:
+        """Read `OUTPUT name = formula`; return whether the line is one."""
+        text = ""
+        for piece in rest:
+            # Blanks stay, so that places do.
+            text = text.ljust(piece.column - rest[0].column if piece.line == rest[0].line else len(text) + 1)
+            text += piece.text
+        name, equals, spelled = text.partition("=")
+        if not equals or len(name.split()) != 1:
+            return False
+        start = len(text) - len(spelled.lstrip())
+        line = _Line(self, word, first, name.strip(), FORMULA)
+        piece = Word(spelled.strip(), rest[0].line, rest[0].column + start)
+        if self._is_name(word, Word(line.name, rest[0].line, rest[0].column)):
+            line.take_formula(piece)
+            self._keep(line)
+        return True
 
     def _name(self, word: BlockWord, first: Word, rest: list[Word]) -> tuple[str, list[Word]]:
         """The name of an element and the pieces behind it; "" behind a fault."""
@@ -207,6 +228,18 @@ class _Line:
             else:
                 self._take_key(piece, key, text)
         self._check_complete()
+
+    def take_formula(self, piece: Word) -> None:
+        """Take the formula of an output."""
+        # Few decks have any.
+        from ...deck.expansion.expressions import WrongFormula, formula
+
+        try:
+            formula(piece.text)
+        except WrongFormula as fault:
+            self.error(piece, f"this is no formula: {fault}", fault.offset, id="ELEMENTS-180")
+        meaning = OUTPUTS[FORMULA][0]
+        self.given[""] = [Number(FORMULA, piece.text, meaning, "", piece.place, piece.text)]
 
     def _take_value(self, piece: Word) -> None:
         """Take a number of a function, or a name of those that it combines."""
@@ -327,12 +360,26 @@ class _Line:
         if missing:
             message = f"{' and '.join(missing)} must be given: {usage(self.word)}"
             self.error(self.first, message, id="ELEMENTS-062")
+        if self.word.word == OUTPUT:
+            self._check_output()
         for groups in self.word.choices:
             complete = [group for group in groups if all(key in self.given for key in group)]
             some = [group for group in groups if any(key in self.given for key in group)]
             if len(complete) != 1 or len(some) != 1:
                 ways = " or ".join(" and ".join(f"{key}=" for key in group) for group in groups)
                 self.error(self.first, f"either {ways} must be given: {usage(self.word)}", id="ELEMENTS-063")
+
+    def _check_output(self) -> None:
+        """Check that an output has the keys of its type, and no other."""
+        wanted = OUTPUTS[self.kind][3]
+        if wrong := [key for key in ("from", "to", "body") if (key in self.given) != (key in wanted)]:
+            which = " and ".join(f"{key}=" for key in wanted)
+            message = f"{self.kind} takes {which}, and axes=; not so {' and '.join(wrong)}"
+            self.error(self.first, message, id="ELEMENTS-181")
+        nodes = [n for key in wanted for n in self.given.get(key, ()) if n.key.endswith(".node")]
+        for node in nodes:
+            message = f"an output is of a point of a body; write {node.key.partition('.')[0]}=body(x,y,z)"
+            self.error(self.first, message, id="ELEMENTS-182")
 
 
 def is_turning(coordinate: str) -> bool:
@@ -343,6 +390,9 @@ def is_turning(coordinate: str) -> bool:
 
 def usage(word: BlockWord) -> str:
     """Return how a line of a word is written."""
+    if word.word == OUTPUT:
+        keys = "from=1(x,y,z) to=2(x,y,z) | body=2"
+        return f"OUTPUT name = formula, or OUTPUT name {'|'.join(word.kinds)} ({keys}) [axes=…]"
     if word.word == "COUPLING":
         return "COUPLING name 2.angle=factor 3.stroke=factor …, or from=1.angle to=2.stroke function=name"
     parts = [word.word, "name" if not word.unnamed else "", "|".join(word.kinds)]

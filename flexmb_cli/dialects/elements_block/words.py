@@ -7,7 +7,9 @@ grammar of editors follow from this table.
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
+from ...deck.expansion.expressions import FORMULA
 from ...model.laws import FUNCTIONS, LAWS, PAIRS, REQUIRED, VECTOR, At, Joint, Law, Parameter, Touch
+from .line import OUTPUT
 
 # What the text behind `key=` is; numbers and vectors as in `model.laws`.
 NUMBER, WHOLE, FUNCTION, COORDINATE, END, FILE = (
@@ -31,6 +33,19 @@ OF_FIRST: dict[str, tuple[str, ...]] = {
 OF_FIRST |= dict.fromkeys(("capsule", "cylinder"), ("axis_from", "radius_from"))
 OF_SECOND: dict[str, tuple[str, ...]] = {"point": (), "sphere": ("radius_to",), "box": ("size_to",)}
 OF_SECOND |= dict.fromkeys(("capsule", "cylinder"), ("axis_to", "radius_to"))
+# Quantities of lines OUTPUT: meaning, unit, whether they are vectors, keys that they need.
+_POINTS = ("from", "to")
+OUTPUTS: dict[str, tuple[str, str, bool, tuple[str, ...]]] = {
+    FORMULA: ("formula of quantities", "1", False, ()),
+    "distance": ("distance of two points", "m", False, _POINTS),
+    "distance_rate": ("rate of the distance of two points", "m/s", False, _POINTS),
+    "position": ("vector from one point to another, axes of a body", "m", True, _POINTS),
+    "velocity": ("its derivative in the axes of the body", "m/s", True, _POINTS),
+    "cardan": ("angles about x, the new y and the new z, without jumps", "rad", True, ("body",)),
+    "roll_pitch_yaw": ("angles about the fixed x, y and z, without jumps", "rad", True, ("body",)),
+    "rotation_vector": ("axis times angle of the rotation, without jumps", "rad", True, ("body",)),
+    "angular_velocity": ("angular velocity, axes of the other body", "rad/s", True, ("body",)),
+}
 LINKS = {"revcyl": ("axis_from", "axis_to"), "revsph": ("axis_from", "length"), "sphsph": ("length",)}
 
 
@@ -173,6 +188,17 @@ WORDS = (
             Key("length", "length of the link", units=("m", "m")),
         ),
         kinds=tuple(LINKS),
+    ),
+    BlockWord(
+        OUTPUT,
+        "quantity that results have besides: `OUTPUT name = formula`, or a relative motion",
+        (
+            FROM,
+            TO,
+            Key("body", "number of the body that turns", WHOLE),
+            Key("axes", "number of the body whose axes are used, which see the motion; 0: ground", WHOLE, 0),
+        ),
+        kinds=tuple(kind for kind in OUTPUTS if kind != FORMULA),
     ),
     BlockWord(
         "START",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...deck.record import Deck
+from ...dialects.elements_block.line import has_outputs
 from ...errors import Fault, ModelError
 from ..model import analysis_of, model_of, module_for, open_deck
 from ..outcome import Outcome, Run, RunOptions, Stop, ending_recorded
@@ -140,6 +141,10 @@ def check_deck(
         model = model_of(report.deck, run)
         report.analysis = analysis_of(model)
         module_for(model, "check").check(report, model, run, jacobian)
+        if has_outputs(report.deck):
+            from ..solution import solution_of, with_outputs
+
+            with_outputs(solution_of(model, run.with_new_outcome), report.deck)
     return report
 
 
