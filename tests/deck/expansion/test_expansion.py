@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli import interface
+from flexmb_cli.deck.expansion.includes import is_expandable
 from flexmb_cli.deck.record import DeckText
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.recognise import open_text, read_deck
@@ -21,7 +22,7 @@ DECKS = Path(__file__).resolve().parents[3] / "decks"
 SUPPLIED = sorted(
     path
     for path in DECKS.rglob("*")
-    if path.suffix in (".dat", ".DAT", ".vsdf") and not path.read_text().startswith("SET")
+    if path.suffix in (".dat", ".DAT", ".vsdf") and not is_expandable(path.read_text())
 )
 ARM = (DECKS / "dafms/arm_elements.DAT").read_text()
 
