@@ -36,6 +36,8 @@ CONVERTED = {
     ("young/dynamics/IN-ELEMENTS.dat", "vsdf"): 2e-7,  # both methods at 1e-9, through friction and a stop
     ("young/dynamics/IN4-BAR-MASS.dat", "vsdf"): EXACT,
     ("young/dynamics/IN-ARM.dat", "dafms"): COLUMNS,
+    ("young/dynamics/IN-PAIR.dat", "dafms"): COLUMNS,
+    ("young/dynamics/IN-PAIR.dat", "vsdf"): EXACT,
     ("young/dynamics/IN-BRICARD.dat", "vsdf"): COLUMNS,  # its motion amplifies errors a thousand times in 5 s
     ("dafms/sliding_mass.DAT", "vsdf"): EXACT,
     ("dafms/arm_elements.DAT", "vsdf"): EXACT,
