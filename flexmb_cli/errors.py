@@ -143,6 +143,18 @@ class FlexmbError(Exception):
         super().__init__(message)
         self.faults = tuple(faults) or (Fault("error", message, id=id),)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Exceptions are pickled with their message alone, which is not what these classes take.
+        return _same_error, (type(self), self.args, self.__dict__)
+
+
+def _same_error(
+    of_type: type[FlexmbError], arguments: tuple[Any, ...], content: dict[str, Any]
+) -> FlexmbError:
+    error = of_type.__new__(of_type, *arguments)
+    error.__dict__.update(content)
+    return error
+
 
 class DeckError(FlexmbError):
     """The deck cannot be read, or does not describe a model (exit 2)."""

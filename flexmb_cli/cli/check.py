@@ -33,7 +33,7 @@ def check(
     _check_jacobian_option(jacobian)
     codes = []
     choices = RunOptions(debug=wants_debug(), **options)
-    for report in every_deck(decks, choices, lambda deck: interface.check(deck, choices, jacobian)):
+    for report in every_deck(decks, choices, quiet, lambda deck: interface.check(deck, choices, jacobian)):
         show_faults(report.outcome, quiet)
         if as_json:
             if echo and report.deck and not quiet:

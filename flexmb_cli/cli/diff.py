@@ -11,10 +11,10 @@ import click
 from ..deck.listing import TableError
 from ..errors import Fault, compiler_style, lines_visible, visible
 from ..results.diff.compare import accept, accept_pair, compare, is_missing
-from ..results.diff.folders import Compared, Pair, Summary, are_same, compare_many, is_many, matched
-from ..results.diff.report import Report
+from ..results.diff.compare_many import compare_many
+from ..results.diff.folders import Compared, Pair, Summary, are_same, is_many, matched
 from ..results.diff.tolerance_file import FileTolerances, read_tolerances
-from ..results.diff.tolerances import LISTING, Tolerances, form_of, parse_kinds
+from ..results.diff.tolerances import Tolerances, parse_kinds
 from ..results.files.replaced_file import write_whole
 from .options.output_file import AS_JSON, STANDARD_OUTPUT, Finite, WrittenPlace, files, refuse_inputs
 from .terminal.notices import faults_in_json
@@ -46,9 +46,13 @@ from .terminal.screen import WrongCall, notify, show
 @click.option(
     "--junit", type=WrittenPlace(), metavar="FILE", help="Write a JUnit file, a test for each file."
 )
+@click.option("-j", "--jobs", type=click.IntRange(1), default=1, show_default=True,
+              help="Files of folders compared at once.")  # fmt: skip
 @AS_JSON
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing; only the exit code reports.")
-def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: bool, **options: Any) -> None:
+def diff(
+    a: str, b: str, update: bool, junit: str | None, jobs: int, as_json: bool, quiet: bool, **options: Any
+) -> None:
     """Compare results number by number: OUT tables, DAFMS echoes or series, HDF5, CSV or MATLAB files.
 
     A is the reference.  A value differs when it exceeds all tolerances given; by default every printed
@@ -78,7 +82,7 @@ def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: 
         if not quiet:
             notify(f"note: {message}")
     if all(many):
-        _compare_folders(summary, tolerances, update, as_json, options)
+        _compare_folders(summary, tolerances, update, as_json, jobs, options)
     else:
         summary.compared = [_compare_files(a, b, tolerances, update, as_json, options)]
     tolerances.refuse_unused()
@@ -129,18 +133,16 @@ def _compare_files(a: Any, b: Any, tolerances: Any, update: bool, as_json: bool,
 
 
 def _compare_folders(
-    summary: Summary, tolerances: FileTolerances, update: bool, as_json: bool, options: dict[str, Any]
+    summary: Summary,
+    tolerances: FileTolerances,
+    update: bool,
+    as_json: bool,
+    jobs: int,
+    options: dict[str, Any],
 ) -> None:
 
-    def compare_pair(pair: Pair) -> Report:
-        chosen = tolerances.of_file(pair.name)
-        if form_of(pair.a) != LISTING:
-            # Results in full precision have no last printed digit: other files of the folder have.
-            chosen = chosen.without_digits()
-        return compare(pair.a, pair.b, chosen, **options)
-
     with faults_in_json(as_json, {"a": summary.a, "b": summary.b}, summary.b):
-        compare_many(summary, compare_pair)
+        compare_many(summary, tolerances, options, jobs)
         if update:
             for compared in summary.compared:
                 accept_pair(compared, summary.a)

@@ -65,7 +65,9 @@ def modes(
     codes = []
     wish = Wish(options.pop("time"), options.pop("equilibrium"), state_space=as_json, out=out)
     choices = RunOptions(debug=wants_debug(), **options)
-    for report in every_deck(decks, choices, lambda deck: modes_of_deck(deck, wish, choices, listener)):
+    for report in every_deck(
+        decks, choices, quiet, lambda deck: modes_of_deck(deck, wish, choices, listener)
+    ):
         progress.clear()
         show_faults(report.outcome, quiet)
         if as_json:

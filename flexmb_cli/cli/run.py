@@ -17,6 +17,7 @@ from ..run.outcome import SOLVER_OPTIONS, Listener, Outcome, RunOptions, Stop
 from ..run.processes.signal_mask import stop_on_signals
 from .options.deck_options import DECK, deck_options, refuse_strange_models, show_faults, with_models
 from .options.output_file import ABSOLUTE_TOLERANCE, FORCE, RELATIVE_TOLERANCE, Finite, WrittenPlace
+from .terminal.closing_lines import ClosingLines
 from .terminal.screen import WrongCall, notify, show, standard_output, wants_debug
 
 
@@ -59,11 +60,12 @@ from .terminal.screen import WrongCall, notify, show, standard_output, wants_deb
 @click.option("--estimate-error", is_flag=True,
               help="Run a second time with finer steps: the global error of every quantity.")  # fmt: skip
 def run(decks: Any, as_json: bool, quiet: bool, verbose: bool, jobs: int, **options: Any) -> None:
-    """Solve every DECK and write its OUT table and HDF5 result.
+    """Solve every DECK and write its OUT table and HDF5 result; a folder stands for the decks in it.
 
     \b
     Example:
         flexmb run decks/young/IN4-BAR.dat -o results
+        flexmb run decks -j 2 -o results
     """
 
     decks = with_models(decks)
@@ -81,13 +83,17 @@ def run(decks: Any, as_json: bool, quiet: bool, verbose: bool, jobs: int, **opti
     _refuse_shared_files(earlier, decks, choices)
     stop_on_signals()
     codes = []
+    closing_lines = ClosingLines(len(decks), "run")
     for outcome in _all_outcomes(earlier, choices, jobs, quiet, verbose):
         if outcome.echo:
             show(outcome.echo, err=True)
         _report_outcome(outcome, choices, quiet, verbose)
         if as_json:
             click.echo(json.dumps(outcome.as_dict()))
+        closing_lines.add(outcome)
         codes.append(outcome.exit_code)
+    if not quiet:
+        closing_lines.show()
     sys.exit(max(codes))
 
 

@@ -2,7 +2,7 @@
 
 import json
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -12,6 +12,9 @@ from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .options.output_file import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, VERBOSE
 from .terminal.progress import Progress
 from .terminal.screen import show, wants_debug
+
+if TYPE_CHECKING:
+    pass
 
 
 @click.command()
@@ -48,7 +51,9 @@ def verify(
     progress = Progress("verify", "decks", quiet, verbose)
     listener = Listener(notice=progress.notice, status=progress.status)
     codes = []
-    for found in every_deck(decks, choices, lambda deck: verify_deck(deck, choices, tolerance, listener)):
+    for found in every_deck(
+        decks, choices, quiet, lambda deck: verify_deck(deck, choices, tolerance, listener)
+    ):
         progress.clear()
         if found.outcome.echo:
             show(found.outcome.echo, err=True)

@@ -106,6 +106,33 @@ def test_names_that_begin_with_a_dash_are_files_in_the_action_and_the_hook(proje
     assert "-q.dat:1:1: error" in shell(f"{hook['entry']} -q.dat").stderr
 
 
+def test_a_bad_deck_among_good_ones_is_marked_and_the_others_are_compared(project):
+    """The comparison runs `always()`, so that the JUnit file is there when a deck has failed."""
+    folder, shell = project
+    inputs, steps = steps_of_action()
+    (folder / "decks/IN-BAD.dat").write_text("nonsense")
+    inputs |= {"decks": "decks", "reference": "reference"}
+    assert steps[2]["if"].startswith("always() && ")
+    environment = {name: filled(text, inputs) for step in steps[1:] for name, text in step["env"].items()}
+    ran, compared = (shell(step["run"], GITHUB_ACTIONS="true", **environment) for step in steps[1:])
+    assert (ran.returncode, compared.returncode) == (2, 0)
+    assert "::error file=decks/IN-BAD.dat,title=DECK-013,line=1,col=1::no dialect begins" in ran.stderr
+    assert re.search(
+        r"^2 decks: 1 run, 1 failed; [\d.]+ s\n  decks/IN-BAD.dat: no dialect", ran.stderr, re.MULTILINE
+    )
+    suite = ElementTree.parse(folder / "flexmb-diff.xml").getroot().find("testsuite")
+    assert (suite.get("tests"), suite.get("failures")) == ("2", "0")
+
+
+def test_gitlab_compares_when_a_deck_has_failed(project):
+    folder, shell = project
+    job = yaml.safe_load((TOP / "docs/ci/gitlab-ci.yml").read_text())["flexmb"]
+    script = "\n".join(line for line in job["script"] if "pip install" not in line)
+    (folder / "decks/IN-BAD.dat").write_text("nonsense")
+    assert shell(script).returncode == 2
+    assert (folder / job["artifacts"]["reports"]["junit"]).exists()
+
+
 def test_the_steps_of_gitlab_run_and_compare(project):
     folder, shell = project
     job = yaml.safe_load((TOP / "docs/ci/gitlab-ci.yml").read_text())["flexmb"]

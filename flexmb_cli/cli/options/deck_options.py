@@ -1,6 +1,8 @@
 """Options and fault printing of all commands that take decks."""
 
+import os
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -10,7 +12,8 @@ from ...dialects import DIALECTS
 from ...errors import FlexmbError, compiler_style
 from ...run.outcome import Outcome, RunOptions
 from ...run.processes.signal_mask import stop_on_signals
-from ..terminal.screen import notify
+from ..terminal.closing_lines import ClosingLines, annotations
+from ..terminal.screen import WrongCall, notify
 from .output_file import Finite, files
 
 if TYPE_CHECKING:
@@ -21,6 +24,8 @@ if TYPE_CHECKING:
 
 # What a command reports of a deck, with its `outcome`.
 Report = TypeVar("Report", bound="CheckReport | ModesReport | Verification")
+
+_ENDINGS = (".dat", ".pas", ".vsdf")  # of decks in a folder, in small or capital letters
 
 # Results of an earlier run look like those of this one, which wrote none.
 _SHOWN_ALWAYS = frozenset({"RUN-042", "RUN-072"})
@@ -54,28 +59,54 @@ def deck_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def every_deck(
-    decks: tuple[str, ...], options: RunOptions, examine: Callable[[str], Report]
+    decks: tuple[str, ...], options: RunOptions, quiet: bool, examine: Callable[[str], Report]
 ) -> Iterator[Report]:
     """Yield the report of `examine` on each deck; decks after a stop are named as interrupted.
+
+    The last lines say how many passed, unless `quiet`.
 
     Raises DeckError for settings of a model that a deck lacks.
     """
     stop_on_signals()
     named = with_models(decks)
     refuse_strange_models(named, options.changes)
+    closing_lines = ClosingLines(len(named), "passed")
     for deck in named:
         report = examine(deck)
         code = report.outcome.exit_code
+        closing_lines.add(report.outcome)
         yield report
         del report  # a large deck takes hundreds of megabytes, which the next one needs
         if code > 128:
             notify(f"{deck}: interrupted")
+    if not quiet:
+        closing_lines.show()
 
 
 def with_models(decks: tuple[str, ...]) -> list[str]:
-    """Return the decks, `1:DECK`, `2:DECK` … in the place of one with several models."""
+    """Return the decks, those in it in the place of a folder, `1:DECK` … in that of one with several models.
 
-    return [name for deck in decks for name in models_of(deck)]
+    Raises UsageError for a folder without decks.
+    """
+    return [name for path in decks for deck in _decks_at(path) for name in models_of(deck)]
+
+
+def _decks_at(path: str) -> list[str]:
+    if not os.path.isdir(path):
+        return [path]
+    decks = sorted(str(file) for file in Path(path).rglob("*") if _is_deck(file.relative_to(path), file))
+    if not decks:
+        raise WrongCall(
+            f"{path}: no deck in this folder: their names end in {', '.join(_ENDINGS)}", id="CLI-080"
+        )
+    return decks
+
+
+def _is_deck(name: Path, file: Path) -> bool:
+    """Return whether a file of a folder has the name of a deck, and neither of a result nor of CalculiX."""
+    if file.suffix.lower() not in _ENDINGS or any(part.startswith(".") for part in name.parts):
+        return False
+    return not (file.name.startswith("OUT") or file.with_suffix(".inp").exists()) and file.is_file()
 
 
 def refuse_strange_models(decks: list[str], changes: tuple[str, ...]) -> None:
@@ -98,3 +129,4 @@ def show_faults(outcome: Outcome, quiet: bool) -> None:
     ]
     if faults:
         click.echo(compiler_style(outcome.deck, faults, outcome.lines), err=True)
+        click.echo(annotations(named_model(outcome.deck)[0], faults), nl=False, err=True)

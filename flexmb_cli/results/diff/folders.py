@@ -2,20 +2,16 @@
 
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatch
 from pathlib import PurePath
 from typing import Any
 
 from ...errors import BAD_INPUT, FlexmbError, compiler_style, visible
-from ..files.file_names import STALE
 from .report import Report, agreeing, counted
-from .tolerances import CSV, HDF5, LISTING, MATLAB, form_of
 
 WILD = re.compile(r"[*?[]")
-# A table for print is known by its name or by its content; these are the names that runs give.
-RESULT_NAME = re.compile(r"OUT.*|.*\.(OUT|T2|T3|h5|csv|tsv|mat)")
 EXPORTS = (".csv", ".tsv", ".mat")
 
 
@@ -203,49 +199,3 @@ def _split(pattern: str) -> tuple[str, tuple[str, ...]]:
     parts = PurePath(pattern).parts
     first = next(k for k, part in enumerate(parts) if WILD.search(part))
     return os.path.join("", *parts[:first]), parts[first:]
-
-
-def compare_many(summary: Summary, compare_pair: Callable[[Pair], Report]) -> None:
-    """Compare all results among the pairs; a file that cannot be read stops no other."""
-    for pair in summary.pairs:
-        if _is_result(pair):
-            summary.compared.append(_compared(pair, compare_pair, summary))
-        else:
-            summary.passed_over.append(pair.name)
-
-
-def _compared(pair: Pair, compare_pair: Callable[..., Any], summary: Summary) -> Compared:
-    if pair.a is None or pair.b is None:
-        lacking = summary.a if pair.a is None else summary.b
-        stale = f"{pair.name}{STALE}"
-        of_earlier = f" ({stale} is of an earlier run)" * os.path.isfile(os.path.join(lacking, stale))
-        return Compared(pair, missing=f"{pair.name}: not in {lacking}{of_earlier}")
-    try:
-        return Compared(pair, compare_pair(pair))
-    except FlexmbError as failure:
-        if failure.of_the_call:
-            raise
-        return Compared(pair, failure=failure)
-
-
-def _is_result(pair: Pair) -> bool:
-    """Return whether a pair is to be compared: by its name, or by the content of one of its files."""
-    if re.search(rf"{re.escape(STALE)}(\.\d+)?$", pair.name):  # NAME.stale, NAME.stale.2
-        return False
-    if RESULT_NAME.fullmatch(PurePath(pair.name).name):
-        return True
-    return any(path is not None and _reads_as_result(path) for path in (pair.a, pair.b))
-
-
-def _reads_as_result(path: str) -> bool:
-    from .listings import read_listing
-
-    form = form_of(path)
-    if form in (CSV, MATLAB):
-        return True
-    if form == HDF5:
-        return False  # files of ParaView and of other programs; results of runs have names of their own
-    try:
-        return form == LISTING and read_listing(path) is not None
-    except FlexmbError:
-        return False

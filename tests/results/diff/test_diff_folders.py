@@ -314,3 +314,21 @@ def test_a_stale_result_is_no_new_one(folders):
     assert "1 file compared, 0 differ, 1 missing, 2 other files passed over" in done.stdout
     top = ElementTree.parse(folders[0] / "diff.xml").getroot()
     assert (top.get("tests"), top.get("failures"), top.get("errors")) == ("2", "1", "0")
+
+
+def test_processes_report_what_one_process_reports(folders):
+    """Also differences, a missing file, a file that cannot be read, and names of tolerances without use."""
+    old, new = folders
+    changed(new / "inner" / "two.h5")
+    (old / "OUT-A.dat").write_text("nothing")
+    shutil.copy(new / "one.h5", new / "three.h5")
+    tolerances = old.parent / "t.toml"
+    tolerances.write_text('[files."one*"]\natol = 1e-9\n')
+    choices = (*folders, "--tolerances", tolerances, "--json")
+    alone, together = compared(*choices), compared(*choices, "-j", "3")
+    assert (together.exit_code, together.stdout, together.stderr) == (
+        alone.exit_code, alone.stdout, alone.stderr,
+    )  # fmt: skip
+    assert alone.exit_code == 1 and json.loads(alone.stdout)["files"]
+    tolerances.write_text('[files."no*"]\natol = 1e-9\n')
+    assert compared(*choices, "-j", "3").exception.faults == compared(*choices).exception.faults
