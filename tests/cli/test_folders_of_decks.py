@@ -28,10 +28,8 @@ def folder(tmp_path):
 
 
 def test_run_and_check_take_the_decks_of_a_folder_and_close_with_what_failed(folder):
-    for command, passed, options in (
-        (run, "run", ["-o", str(folder.parent / "results")]),
-        (check, "passed", []),
-    ):
+    results = folder.parent / "results"
+    for command, passed, options in ((run, "run", ["-o", str(results)]), (check, "passed", [])):
         done = CliRunner().invoke(command, [str(folder), *options])
         *_, head, failure = done.stderr.splitlines()
         assert done.exit_code == 2
