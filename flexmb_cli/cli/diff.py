@@ -11,11 +11,11 @@ import click
 from ..deck.listing import TableError
 from ..errors import Fault, compiler_style, lines_visible, visible
 from ..results.diff.compare import accept, accept_pair, compare, is_missing
-from ..results.diff.compare_many import compare_many
 from ..results.diff.folders import Compared, Pair, Summary, are_same, is_many, matched
 from ..results.diff.tolerance_file import FileTolerances, read_tolerances
 from ..results.diff.tolerances import Tolerances, parse_kinds
 from ..results.files.replaced_file import write_whole
+from ..run.compare_many import compare_many
 from .options.output_file import AS_JSON, STANDARD_OUTPUT, Finite, WrittenPlace, files, refuse_inputs
 from .terminal.notices import faults_in_json
 from .terminal.screen import WrongCall, notify, show

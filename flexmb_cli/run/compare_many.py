@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from pathlib import PurePath
 from typing import Any
 
-from ...errors import FlexmbError
-from ...run.processes.worker import Worker, end_all, having_answers, portable, why_unable
-from ..files.file_names import STALE
-from .compare import compare
-from .folders import Compared, Pair, Summary
-from .tolerance_file import FileTolerances
-from .tolerances import CSV, HDF5, LISTING, MATLAB, form_of
+from ..errors import FlexmbError
+from ..results.diff.compare import compare
+from ..results.diff.folders import Compared, Pair, Summary
+from ..results.diff.tolerance_file import FileTolerances
+from ..results.diff.tolerances import CSV, HDF5, LISTING, MATLAB, form_of
+from ..results.files.file_names import STALE
+from .processes.worker import Worker, end_all, having_answers, portable, why_unable
 
 # A table for print is known by its name or by its content; these are the names that runs give.
 RESULT_NAME = re.compile(r"OUT.*|.*\.(OUT|T2|T3|h5|csv|tsv|mat)")
@@ -93,7 +93,7 @@ def _is_result(pair: Pair) -> bool:
 
 
 def _reads_as_result(path: str) -> bool:
-    from .listings import read_listing
+    from ..results.diff.listings import read_listing
 
     form = form_of(path)
     if form in (CSV, MATLAB):
