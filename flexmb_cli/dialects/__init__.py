@@ -10,3 +10,6 @@ DIALECTS = {
     "dafms": (f"{__name__}.dafms", "DFMB|STAR|STOP"),
     "young": (f"{__name__}.young", ""),
 }
+
+# Of names of decks in a folder, in small or capital letters.
+ENDINGS = (".dat", ".pas", ".vsdf")

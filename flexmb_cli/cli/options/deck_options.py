@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from ...deck.several_models import models_of, named_model, refuse_strange
-from ...dialects import DIALECTS
+from ...dialects import DIALECTS, ENDINGS
 from ...errors import FlexmbError, compiler_style
 from ...run.outcome import Outcome, RunOptions
 from ...run.processes.signal_mask import stop_on_signals
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 # What a command reports of a deck, with its `outcome`.
 Report = TypeVar("Report", bound="CheckReport | ModesReport | Verification")
-
-_ENDINGS = (".dat", ".pas", ".vsdf")  # of decks in a folder, in small or capital letters
 
 # Results of an earlier run look like those of this one, which wrote none.
 _SHOWN_ALWAYS = frozenset({"RUN-042", "RUN-072"})
@@ -97,14 +95,14 @@ def _decks_at(path: str) -> list[str]:
     decks = sorted(str(file) for file in Path(path).rglob("*") if _is_deck(file.relative_to(path), file))
     if not decks:
         raise WrongCall(
-            f"{path}: no deck in this folder: their names end in {', '.join(_ENDINGS)}", id="CLI-080"
+            f"{path}: no deck in this folder: their names end in {', '.join(ENDINGS)}", id="CLI-080"
         )
     return decks
 
 
 def _is_deck(name: Path, file: Path) -> bool:
     """Return whether a file of a folder has the name of a deck, and neither of a result nor of CalculiX."""
-    if file.suffix.lower() not in _ENDINGS or any(part.startswith(".") for part in name.parts):
+    if file.suffix.lower() not in ENDINGS or any(part.startswith(".") for part in name.parts):
         return False
     return not (file.name.startswith("OUT") or file.with_suffix(".inp").exists()) and file.is_file()
 

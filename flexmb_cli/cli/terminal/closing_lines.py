@@ -1,4 +1,4 @@
-"""What a command says after many decks: how many passed, and the first error of each that failed."""
+"""Last lines of a command on many decks: how many passed, and the first error of each that failed."""
 
 import os
 import time
