@@ -60,7 +60,9 @@ from .terminal.screen import WrongCall, notify, show, standard_output, wants_deb
 @click.option("--estimate-error", is_flag=True,
               help="Run a second time with finer steps: the global error of every quantity.")  # fmt: skip
 def run(decks: Any, as_json: bool, quiet: bool, verbose: bool, jobs: int, **options: Any) -> None:
-    """Solve every DECK and write its OUT table and HDF5 result; a folder stands for the decks in it.
+    """Solve every DECK and write its OUT table and HDF5 result.
+
+    A folder stands for the decks in it.
 
     \b
     Example:

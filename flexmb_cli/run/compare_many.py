@@ -4,7 +4,7 @@ import os
 import re
 from collections.abc import Sequence
 from pathlib import PurePath
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..errors import FlexmbError
 from ..results.diff.compare import compare
@@ -12,7 +12,9 @@ from ..results.diff.folders import Compared, Pair, Summary
 from ..results.diff.tolerance_file import FileTolerances
 from ..results.diff.tolerances import CSV, HDF5, LISTING, MATLAB, form_of
 from ..results.files.file_names import STALE
-from .processes.worker import Worker, end_all, having_answers, portable, why_unable
+
+if TYPE_CHECKING:  # multiprocessing is for -j only
+    from .processes.worker import Worker
 
 # A table for print is known by its name or by its content; these are the names that runs give.
 RESULT_NAME = re.compile(r"OUT.*|.*\.(OUT|T2|T3|h5|csv|tsv|mat)")
@@ -31,6 +33,8 @@ def compare_many(
     if jobs < 2:
         summary.compared += [_compared(pair, summary, tolerances, options) for pair in pairs]
         return
+    from .processes.worker import Worker, end_all
+
     workers = [Worker(_serve, pairs[k::jobs], summary, tolerances, options) for k in range(jobs)]
     shares = [_answer_of(worker, tolerances) for worker in workers]
     end_all(workers)
@@ -41,6 +45,8 @@ def _serve(
     line: Any, pairs: Sequence[Pair], summary: Summary, tolerances: FileTolerances, options: Any
 ) -> None:
     """Send the comparisons of `pairs` and the names of the tolerances used, or the failure of the call."""
+    from .processes.worker import portable, why_unable
+
     if why_unable():
         return
     try:
@@ -50,7 +56,9 @@ def _serve(
         line.send(portable(failure))
 
 
-def _answer_of(worker: Worker, tolerances: FileTolerances) -> list[Compared]:
+def _answer_of(worker: "Worker", tolerances: FileTolerances) -> list[Compared]:
+    from .processes.worker import having_answers
+
     having_answers([worker])
     answer = worker.answer()
     if answer is None:
