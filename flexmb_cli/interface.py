@@ -150,8 +150,11 @@ def _result(
     return Result(opened, values, layout, status, message, tuple(dict.fromkeys(warnings)))
 
 
-def sweep(study: str | os.PathLike[str], jobs: int = 1) -> dict[str, np.ndarray]:
-    """Solve every case of a study file; return its table by columns.
+def sweep(study: str | os.PathLike[str] | Mapping[str, Any], jobs: int = 1) -> dict[str, np.ndarray]:
+    """Solve every case of a study; return its table by columns.
+
+    `study` is the path of a study file, or a dict with the content of one, whose deck is relative to the
+    working folder: {"deck": …, "parameters": {NAME: values}, "results": {NAME: "max point.1.z"}}.
 
     Keys are "parameter/NAME" and "result/NAME" (cases,) or (cases, times), "exit_code" and "rows" (cases,).
     A case that fails has an exit code other than 0, and nan.  Raises FlexmbError for a wrong study.
@@ -161,13 +164,24 @@ def sweep(study: str | os.PathLike[str], jobs: int = 1) -> dict[str, np.ndarray]
     import h5py
 
     with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
-        made = open_study(study, os.path.join(folder, "parts"))
+        path = _study_file(study, folder) if isinstance(study, Mapping) else study
+        made = open_study(path, os.path.join(folder, "parts"))
         solve_study(made, made.pending(), jobs=jobs)
-        write_study(path := os.path.join(folder, "table.h5"), made)
-        with h5py.File(path, "r") as table:
+        write_study(written := os.path.join(folder, "table.h5"), made)
+        with h5py.File(written, "r") as table:
             groups = [table[name] for name in ("parameter", "result")]
             columns = {f"{group.name[1:]}/{name}": group[name][...] for group in groups for name in group}
             return columns | {name: table[name][...] for name in ("exit_code", "rows") if name in table}
+
+
+def _study_file(study: Mapping[str, Any], folder: str) -> str:
+    from .deck.toml_table import toml_text
+
+    path = os.path.join(folder, "study.toml")
+    deck = {"deck": os.path.abspath(study["deck"])} if "deck" in study else {}
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(toml_text({**study, **deck}))
+    return path
 
 
 def open_study(

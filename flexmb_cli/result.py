@@ -1,8 +1,10 @@
-"""The motion of a deck that was solved in memory, as arrays by name."""
+"""The motion of a deck as arrays by name: solved in memory, or read from the HDF5 file of a run."""
 
 import os
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,8 +15,10 @@ from .errors import COMPLETE, FAILED, Fault, sentences
 from .extras import needed
 
 if TYPE_CHECKING:
+    import h5py
     import pandas
     import xarray
+    from matplotlib.figure import Figure
 
     from .results.hdf5.layout import Layout
     from .results.quantities.quantities import Quantity
@@ -26,15 +30,34 @@ class Result(Mapping[str, np.ndarray]):
 
     A name of `flexmb table` works, too: `result["point.1.z"]` is an array (times,).  `status` is "complete",
     or "failed" with the reason in `message`.  A run that fails before its first row has no arrays.
+    `layout` is that of a run in memory, `file` the one from which `open` read; a result has one of the two.
     """
 
     deck: "OpenDeck"
     arrays: dict[str, np.ndarray]
-    layout: "Layout"
+    layout: "Layout | None" = None
     status: str = COMPLETE
     message: str = ""
     warnings: tuple[Fault, ...] = ()
+    file: str = ""
     found: "dict[str, list[Quantity]]" = field(default_factory=dict, repr=False, compare=False)
+
+    @classmethod
+    def open(cls, path: str | os.PathLike[str]) -> "Result":
+        """Return the result in the HDF5 file of a run, all its arrays in memory.
+
+        Raises ResultError, a FlexmbError, for a file that is none; DeckError where its deck cannot be read.
+        """
+        from .results.hdf5.stored_result import attribute
+        from .results.quantities.quantities import open_result, shortfall
+        from .results.quantities.quantity_names import families
+
+        with open_result(os.fspath(path)) as file:
+            text, name = file["deck"].asstr()[()], attribute(file, "deck_name")
+            deck = OpenDeck(_stored_deck(text, name, attribute(file, "dialect")), name)
+            arrays = {family.path: file[family.path][...] for family in families(file)}
+            status = attribute(file, "status", COMPLETE)
+            return cls(deck, arrays, None, status, shortfall(file), file=os.fspath(path))
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Return a dataset by its path, or a quantity by its name; raises KeyError with near names."""
@@ -58,13 +81,19 @@ class Result(Mapping[str, np.ndarray]):
 
     def unit(self, name: str) -> str:
         """Return the SI unit of a dataset or a quantity, "1" for a pure number."""
-        units = {item.path: item.units for item in self.layout.series} | {"time": "s"}
-        return units[name] if name in units else self._quantity(name).unit
+        if name not in self.arrays:
+            return self._quantity(name).unit
+        with self._names() as file:
+            return str(file[name].attrs["units"])
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the HDF5 file that `flexmb run` writes; raises OutputError where it cannot be written."""
+        from .results.files.replaced_file import write_whole
         from .results.hdf5.result_file import ResultFile
 
+        if self.layout is None:
+            write_whole(os.fspath(path), Path(self.file).read_bytes())
+            return
         file = ResultFile(os.fspath(path), self.deck.deck, self.layout)
         if self.arrays:
             file.rows(self.arrays)
@@ -73,21 +102,65 @@ class Result(Mapping[str, np.ndarray]):
         file.note(sentences(fault for fault in self.warnings if fault.severity != "error"))
         file.close()
 
+    def plot(self, *names: str, title: str = "") -> "Figure":
+        """Return a figure of matplotlib with curves of quantities, of those of `flexmb plot` without names.
+
+        Raises ResultError for an unknown name, MissingExtra where there is no matplotlib.
+        """
+        needed("matplotlib", "matplotlib", "plot", "Result.plot")
+        from .results.figures.curves import Source, default_curves, panels
+        from .results.figures.plots import fitted_figure
+        from .results.quantities.quantities import resolve, time_quantity
+
+        with self._stored() as file:
+            chosen = resolve(file, names) if names else default_curves(file).quantities
+            whole = slice(0, len(self.time), 1)
+            source = Source("", file, whole, time_quantity(file), chosen, energies_change=not names)
+            return fitted_figure(panels([source]), title, None)
+
+    def show(self) -> None:
+        """Open the page of `flexmb report` in the browser: motion in 3-D, curves, deck."""
+        import tempfile
+        import webbrowser
+
+        from .results.figures.contours import BodyLook
+        from .results.figures.report_page import report_page
+
+        with self._stored() as file:
+            page = report_page(file, BodyLook())
+        # It outlives the process: the browser reads it when it likes.
+        with tempfile.NamedTemporaryFile("w", encoding="utf-8", suffix=".html", delete=False) as written:
+            written.write(page)
+        webbrowser.open(Path(written.name).as_uri())
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: what was run, and the extremes of the curves of `flexmb plot`."""
+        head = f"<p>{escape(repr(self))}{escape(f': {self.message}' if self.message else '')}</p>"
+        if not len(self.time):
+            return head
+        from .results.figures.curves import default_curves
+
+        with self._stored() as file:
+            quantities = default_curves(file).quantities
+        rows = [
+            f"<tr><td>{escape(one.name)}</td><td>{escape(one.unit)}</td>"
+            f"<td>{self._column(one).min():.6g}</td><td>{self._column(one).max():.6g}</td></tr>"
+            for one in quantities
+        ]
+        heading = "<tr><th>quantity</th><th>unit</th><th>least</th><th>largest</th></tr>"
+        return f"{head}<table>{heading}{''.join(rows)}</table>"
+
     def to_xarray(self) -> "xarray.DataTree":
         """Return the result as xarray opens its file: groups of labelled arrays; needs h5netcdf.
 
         Raises MissingExtra, a FlexmbError, with the command that installs what is missing.
         """
-        import tempfile
-
         needed("xarray", "xarray", "", "to_xarray", ("h5netcdf",))
         needed("h5netcdf", "h5netcdf", "", "to_xarray")
         import xarray
 
-        with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
-            self.save(path := Path(folder) / "result.h5")
-            with xarray.open_datatree(path, engine="h5netcdf") as tree:
-                return tree.load()
+        with self._path() as path, xarray.open_datatree(path, engine="h5netcdf") as tree:
+            return tree.load()
 
     def to_pandas(self, *names: str) -> "pandas.DataFrame":
         """Return a table with the time, s, as index, and a column for each number that the names mean.
@@ -119,20 +192,59 @@ class Result(Mapping[str, np.ndarray]):
         return quantities[0]
 
     def _quantities(self, name: str) -> "list[Quantity]":
-        """Return the quantities that a name selects, found in a temporary HDF5 file without rows."""
+        """Return the quantities that a name selects."""
         if name not in self.found:
-            paths = {item.path for item in self.layout.series}
+            from h5py import Dataset
 
-            from .results.hdf5.result_file import empty_result
-            from .results.quantities.quantities import SHOWS_ALL, ResultError, resolve
+            from .results.quantities.quantities import SHOWS_ALL, UNKNOWN, ResultError, resolve
 
-            with empty_result(self.deck.deck, self.layout) as file:
-                try:
-                    found = resolve(file, ["*" if name in paths else name])
-                except ResultError as fault:
-                    raise KeyError(str(fault).removesuffix(SHOWS_ALL)) from None
-            self.found[name] = [each for each in found if name not in paths or each.dataset == name]
+            try:
+                with self._names() as file:
+                    of_dataset = isinstance(file.get(name), Dataset)
+                    found = resolve(file, ["*" if of_dataset else name])
+            except ResultError as fault:
+                if fault.faults[0].id != UNKNOWN:
+                    raise
+                raise KeyError(str(fault).removesuffix(SHOWS_ALL)) from None
+            self.found[name] = [each for each in found if not of_dataset or each.dataset == name]
         return self.found[name]
+
+    @contextmanager
+    def _names(self) -> "Iterator[h5py.File]":
+        """Give a file with the datasets of this result, of one in memory without rows."""
+        from .results.hdf5.result_file import empty_result
+        from .results.quantities.quantities import open_result
+
+        opened = open_result(self.file) if self.layout is None else empty_result(self.deck.deck, self.layout)
+        with opened as file:
+            yield file
+
+    @contextmanager
+    def _stored(self) -> "Iterator[h5py.File]":
+        """Give the file of this result, of one in memory a temporary one."""
+        from .results.quantities.quantities import open_result
+
+        with self._path() as path, open_result(path) as file:
+            yield file
+
+    @contextmanager
+    def _path(self) -> Iterator[str]:
+        import tempfile
+
+        if self.file:
+            yield self.file
+            return
+        with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
+            self.save(path := os.path.join(folder, "result.h5"))
+            yield path
+
+
+def _stored_deck(text: str, name: str, dialect: str) -> Deck:
+    """Return the deck whose text a result keeps."""
+    from .deck.text import decode
+    from .dialects.recognise import read_deck
+
+    return read_deck(decode(name, text.encode()), dialect)
 
 
 @dataclass(frozen=True)

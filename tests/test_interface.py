@@ -16,6 +16,7 @@ from flexmb_cli import (
     DeckError,
     FlexmbError,
     ModelError,
+    Result,
     check,
     interface,
     read_deck,
@@ -289,6 +290,26 @@ def test_a_study_gives_columns():
     assert table["result/path"].shape[0] == 10
 
 
+def test_a_study_in_a_dict_is_that_of_the_file(monkeypatch):
+    """The content of decks/studies/rssr.toml; the deck is relative to the working folder."""
+    monkeypatch.chdir(DECKS)
+    study = {
+        "deck": Path("young/IN-RSSR.dat"),
+        "parameters": {"driver.1.B": np.linspace(100.0, 200.0, 5), "point.1.y": (0.0, 0.2406)},
+        "results": {
+            "lowest": "min point.1.z",
+            "fastest": "max point.1.velocity.x",
+            "path": "series point.1.z",
+        },
+    }
+    from_dict, from_file = sweep(study), sweep("studies/rssr.toml")
+    assert from_dict.keys() == from_file.keys()
+    assert all(np.array_equal(from_dict[name], from_file[name]) for name in from_file)
+    study["parameters"]["driver.1.BB"] = [1.0]
+    with pytest.raises(FlexmbError, match=r"driver\.1\.BB"):
+        sweep(study)
+
+
 @pytest.mark.processes
 def test_importing_the_package_loads_no_numerical_library():
     code = "import sys, flexmb_cli; print(sorted({'numpy', 'h5py', 'click', 'numba'} & set(sys.modules)))"
@@ -306,3 +327,46 @@ def test_the_package_is_marked_as_typed():
     assert (Path(flexmb_cli.__file__).parent / "py.typed").is_file()
     with pytest.raises(AttributeError, match="no attribute 'solv'"):
         _ = flexmb_cli.solv
+
+
+@pytest.mark.parametrize("deck", ["young/IN4-BAR.dat", "dafms/pendulum.DAT", "vsdf/pendulum.vsdf"])
+def test_a_stored_result_has_the_names_units_and_values_of_one_in_memory(deck, tmp_path):
+    solved = solve(DECKS / deck)
+    solved.save(path := tmp_path / "result.h5")
+    stored = Result.open(path)
+    assert set(stored) == set(solved) and stored.status == "complete"
+    assert all(np.array_equal(stored[name], solved[name], equal_nan=True) for name in solved)
+    assert all(stored.unit(name) == solved.unit(name) for name in solved)
+    columns = stored.to_pandas().columns
+    assert list(columns) == list(solved.to_pandas().columns)
+    assert stored.unit(columns[3]) == solved.unit(columns[3])
+    assert np.array_equal(stored[columns[3]], solved[columns[3]])
+    assert stored.deck.numbers == solved.deck.numbers
+    stored.save(copy := tmp_path / "copy.h5")
+    assert copy.read_bytes() == path.read_bytes()
+    with pytest.raises(KeyError, match=r"point\.1\.zz|no such quantity"):
+        stored["point.1.zz"]
+
+
+def test_what_is_no_result_is_refused_by_open(tmp_path):
+    (tmp_path / "a.h5").write_text("text")
+    with pytest.raises(FlexmbError, match="not an HDF5 result"):
+        Result.open(tmp_path / "a.h5")
+
+
+def test_notebooks_show_extremes_curves_and_the_page(monkeypatch):
+    result = solve(DECKS / "young/IN4-BAR.dat")
+    shown = result._repr_html_()
+    least = f"{result['point.1.z'].min():.6g}"
+    assert "point.1.z" in shown and f"<td>{least}</td>" in shown and "complete, 26 rows" in shown
+    figure = result.plot("point.1.z", "point.1.y")
+    (axes,) = figure.axes
+    assert np.array_equal(axes.lines[0].get_ydata(), result["point.1.z"])
+    with pytest.raises(FlexmbError, match=r"point\.9\.q"):
+        result.plot("point.9.q")
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    result.show()
+    page = Path(opened[0].removeprefix("file://"))
+    assert page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    page.unlink()

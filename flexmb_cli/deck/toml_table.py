@@ -1,6 +1,9 @@
 """Untrusted TOML texts: those that would take tomllib hours are refused before they are parsed."""
 
+import json
+import os
 import re
+from collections.abc import Mapping
 from typing import Any
 
 from ..errors import Place
@@ -36,6 +39,22 @@ def toml_table(source: DeckText) -> dict[str, Any]:
         found = _SYNTAX.match(str(fault))
         place = Place(int(found[2]), int(found[3])) if found else None
         raise TomlError(found[1] if found else str(fault), place) from None
+
+
+def toml_text(table: Mapping[str, Any]) -> str:
+    """Return a table as TOML; arrays of numpy become lists.  Raises TypeError for what TOML has not."""
+    return "".join(f"{json.dumps(name)} = {_toml_value(value)}\n" for name, value in table.items())
+
+
+def _toml_value(value: Any) -> str:
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{json.dumps(name)} = {_toml_value(one)}' for name, one in value.items())} }}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_toml_value, value))}]"
+    # Strings, numbers and truth values are spelled as in JSON, but for nan and inf, which studies refuse.
+    return json.dumps(os.fspath(value) if isinstance(value, os.PathLike) else value)
 
 
 def _refuse_deep_names(source: DeckText) -> None:

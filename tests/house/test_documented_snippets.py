@@ -66,13 +66,18 @@ def test_pandas_reads_the_table_from_a_pipe_as_the_page_shows(commands):
 
 def test_errors_are_caught_as_the_page_of_the_interface_shows(commands):
     """The rows are those of the report times before the stop, 0.1 s apart."""
-    (_, program, _) = snippets("reference/python.md")
+    (_, program, *_) = snippets("reference/python.md")
     shown = re.fullmatch(r"stopped at (\S+) s: failed, (\d+) rows\n", printed(commands, program))
     assert 0 < float(shown[1]) < 2.5 and int(shown[2]) == round(float(shown[1]) / 0.1)
 
 
+def test_results_are_opened_and_studies_begun_as_the_page_of_the_interface_shows(commands):
+    (_, _, program, _) = snippets("reference/python.md")
+    assert f"```text\n{printed(commands, program)}```" in (TOP / "docs/reference/python.md").read_text()
+
+
 def test_the_record_of_json_is_read_as_the_page_shows(commands):
-    (_, _, program) = snippets("reference/python.md")
+    (*_, program) = snippets("reference/python.md")
     assert printed(commands, program) == "complete 26 ['OUT4-BAR.dat', 'OUT4-BAR.h5']\n"
 
 

@@ -24,6 +24,7 @@ from .unknown_names import hint_for
 
 NOTHING = "an empty name"
 TIMES_AT_ONCE = 2**20
+UNKNOWN = "RESULT-021"  # identifier of the fault of a name that fits nothing
 SHOWS_ALL = "; flexmb table RESULT.h5 --list shows all"
 
 
@@ -161,7 +162,7 @@ def resolve(result: h5py.File, patterns: Iterable[str], file: str = "", where: s
             lacking = f"the result has no such quantity{'; ' * bool(hint)}{hint}{SHOWS_ALL}"
             unknown.append(f"{where}{pattern or NOTHING}: {lacking}")
     if unknown:
-        raise ResultError(file, *unknown, id="RESULT-021")
+        raise ResultError(file, *unknown, id=UNKNOWN)
     return list(found)
 
 
