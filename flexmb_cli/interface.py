@@ -23,20 +23,27 @@ if TYPE_CHECKING:
     from .study.sweep import Sweep
 
 
+TEXT_NAME = "deck"  # in messages and results, of a deck that was given as text
+
+
 def read_deck(
     path: str | os.PathLike[str], changes: Mapping[str, object] | None = None, dialect: str = "auto"
 ) -> OpenDeck:
     """Read the deck at `path`, with the numbers in `changes` set ({"driver.1.B": 6.28}).
 
+    A string of several lines is the text of a deck; files that it names are relative to the working folder.
     Raises FlexmbError, whose `faults` have place, subject and remedy, for a deck that cannot be read.
     """
     from .run.model import open_deck
     from .run.outcome import Outcome, RunOptions
 
     words = tuple(f"{name}={value}" for name, value in (changes or {}).items())
-    outcome = Outcome(os.fspath(path))
+    name, text = os.fspath(path), None
+    if "\n" in name and not os.path.exists(name):
+        name, text = TEXT_NAME, name
+    outcome = Outcome(name)
     with _naming(outcome):
-        deck = open_deck(outcome.deck, RunOptions(dialect=dialect, changes=words), outcome)
+        deck = open_deck(name, RunOptions(dialect=dialect, changes=words), outcome, text)
     return OpenDeck(deck, outcome.deck, words, tuple(outcome.faults))
 
 

@@ -8,7 +8,7 @@ from itertools import islice
 
 from ..deck.expansion.includes import is_expandable, refuse_faulty, with_includes
 from ..deck.record import Deck, DeckText
-from ..deck.text import read_text
+from ..deck.text import decode, read_text
 from ..deck.words import UNCLOSED, Word, words
 from ..errors import DeckError, Fault
 from ..memory import without_collector
@@ -21,13 +21,17 @@ _FIRST_LINES = 20  # that are not blank
 _FIRST_WORDS = 60  # of a deck with a title
 
 
-def open_text(path: str, dialect: str = AUTO, changes: Sequence[str] = ()) -> DeckText:
-    """Return the text of the deck at `path` with the files that it includes and the values of its variables.
+def open_text(
+    path: str, dialect: str = AUTO, changes: Sequence[str] = (), text: str | None = None
+) -> DeckText:
+    """Return the text of the deck at `path`, or `text` as if it stood there.
+
+    It has the files that it includes and the values of its variables.
 
     `changes` ("NAME=VALUE") may give variables other values.  Raises DeckError for a file that cannot be
     read; what is wrong with variables is raised where the deck is read.
     """
-    source = read_text(path)
+    source = read_text(path) if text is None else decode(path, text.encode())
     if not is_expandable(source.text):
         return source
     from ..deck.expansion.variables import with_variables

@@ -116,13 +116,13 @@ INSTEAD["formulation"] = "there is one formulation; flexmb verify compares it wi
 INSTEAD[AS_PRINTED] = "only the YOUNG program of 1996 is emulated"
 
 
-def open_deck(path: str, options: RunOptions, outcome: Outcome) -> Deck:
+def open_deck(path: str, options: RunOptions, outcome: Outcome, text: str | None = None) -> Deck:
     """Return the deck at `path` with the changes of `--set`; its text and warnings go into `outcome`.
 
-    `path` may be `2:PATH`, the second model of a deck.
+    `path` may be `2:PATH`, the second model of a deck.  A `text` is read as if it stood at `path`.
     """
     name, model = named_model(path)
-    outcome.source = source = open_text(name, options.dialect, options.changes)
+    outcome.source = source = open_text(name, options.dialect, options.changes, text)
     changes = changes_of(options.changes, source, model)
     if model:
         source = only_model(source, model)
