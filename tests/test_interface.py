@@ -296,7 +296,7 @@ def test_a_deck_may_be_given_as_text():
     assert np.array_equal(solve(read_deck(text))["body/position"], expected["body/position"])
     assert not np.array_equal(result["body/velocity"], expected["body/velocity"])
     with pytest.raises(DeckError, match=r"^deck:14:3: universal joint 1: body number 9"):
-        read_deck(text.replace("\n1 2 0 0 2 0 6.10", "\n1 9 0 0 2 0 6.10"))
+        solve(read_deck(text.replace("\n1 2 0 0 2 0 6.10", "\n1 9 0 0 2 0 6.10")))
 
 
 def test_a_study_in_a_dict_is_that_of_the_file(monkeypatch):
