@@ -1,8 +1,8 @@
 """Run the decks of the documentation and draw its pictures, the gallery and the page of the sources.
 
-    python docs/_ext/pictures.py [--gif]
+    python docs/_ext/pictures.py [--readme]
 
-`--gif` draws the animated picture of the README alone (docs/pictures/four-bar.gif, kept in the repository).
+`--readme` draws the two pictures of the README alone, which are kept in the repository.
 """
 
 import subprocess
@@ -66,75 +66,21 @@ def sources() -> None:
     kept.write_text(stamp)
 
 
-def gif():
-    """Draw the four-bar of the YOUNG dissertation over one revolution of its crank."""
-    import h5py
-    import matplotlib
-    import numpy as np
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-    from matplotlib.animation import FuncAnimation, PillowWriter
-
-    deck = TOP / "decks/young/IN4-BAR.dat"
-    folder = RESULTS / "gif"
-    folder.mkdir(parents=True, exist_ok=True)
-    flexmb("run", "-q", "--no-out", deck, "--set", "time.step=0.05", "--set", "time.end=2.0", folder=folder)
-    with h5py.File(folder / "OUT4-BAR.h5") as result:
-        position, p = result["body/position"][:], result["body/euler_parameters"][:]
-        bodies, points = result["joint/body"][:], result["joint/point"][:]
-    links = _links(position, p, bodies, points)
-    figure = pyplot.figure(figsize=(4.6, 3.4), dpi=80)
-    axes = figure.add_subplot(projection="3d")
-    figure.subplots_adjust(0, 0, 1, 1)
-    colours = ["#d1495b", "#2e4057", "#00798c"]
-    everywhere = np.concatenate([link.reshape(-1, 3) for link in links])
-    middle, half = (everywhere.max(0) + everywhere.min(0)) / 2, np.ptp(everywhere, axis=0).max() / 2
-    limits = {f"{x}lim": (m - half, m + half) for x, m in zip("xyz", middle, strict=True)}
-    grounded = np.concatenate([links[0][0, -1:], links[2][0, -1:]])
-
-    def draw(k):
-        axes.clear()
-        axes.set(**limits)
-        axes.set_box_aspect(None, zoom=1.15)
-        axes.plot(*grounded.T, "^", color="#888888", markersize=11)
-        axes.set_axis_off()
-        axes.view_init(elev=22, azim=-60 + 10 * k / len(position))
-        for link, colour in zip(links, colours, strict=False):
-            axes.plot(*link[k].T, color=colour, linewidth=5, solid_capstyle="round", marker="o")
-        axes.plot(*links[0][: k + 1, 0].T, color="#999999", linewidth=1)
-
-    motion = FuncAnimation(figure, draw, frames=len(position) - 1)
-    motion.save(PICTURES / "four-bar.gif", writer=PillowWriter(fps=20))
-
-
-def _links(position, p, bodies, points):
-    """Return the joint points of every moving body over time, each (time, point, 3), global axes."""
-    import numpy as np
-
-    moving = [b for b in range(position.shape[1]) if np.ptp(p[:, b], axis=0).max() > 1e-9]
-    links = []
-    for body in moving:
-        local = [
-            points[j, side] for j, pair in enumerate(bodies) for side in (0, 1) if pair[side] == body + 1
-        ]
-        links.append(np.stack([position[:, body] + _turned(p[:, body], s) for s in local], axis=1))
-    return links
-
-
-def _turned(p, s):
-    """Return A(p) s for every time; p (time, 4) Euler parameters, s (3,) body axes."""
-    import numpy as np
-
-    e0, e = p[:, :1], p[:, 1:]
-    return (2 * e0**2 - 1) * s + 2 * e * (e @ s)[:, None] + 2 * e0 * np.cross(e, s)
+def of_readme(folder: Path = PICTURES) -> None:
+    """Draw the slider-crank with the stresses of its rod as a film, and the curves of the ball."""
+    decks = [TOP / "decks" / deck for deck in ("vsdf/slider_crank_stress.vsdf", "young/dynamics/IN-BALL.dat")]
+    crank, ball = (solved([deck])[deck] for deck in decks)
+    film = ["--size", "640x300", "--fps", "20", "--scale", "20"]
+    flexmb("report", crank, "--movie", folder / "slider-crank.gif", *film, "-q")
+    curves = ["body.2.position.x", "body.2.position.z"]
+    flexmb("plot", ball, *curves, "--width", "120", "-q", "-o", folder / "ball.svg")
 
 
 if __name__ == "__main__":
     RESULTS.mkdir(parents=True, exist_ok=True)
     PICTURES.mkdir(exist_ok=True)
-    if "--gif" in sys.argv:
-        gif()
+    if "--readme" in sys.argv:
+        of_readme()
         sys.exit()
     figures()
     gallery()

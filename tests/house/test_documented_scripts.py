@@ -26,7 +26,7 @@ INSTALLS = (
 HERE, SNIPPETS = "test_documented_scripts.py", "test_documented_snippets.py"
 TRANSCRIPTS = "test_documentation.py"
 RUN_BY = {
-    "README.md": [INSTALLS, INSTALLS],
+    "README.md": [INSTALLS, INSTALLS, SNIPPETS],
     "CONTRIBUTING.md": ["not run: makes an environment and runs this whole suite, as CI does (.ci/run)"],
     "docs/how-to/ci-files.md": ["../scripts/test_ci_files.py", "../scripts/test_ci_files.py"],
     "docs/how-to/clusters.md": [HERE, "not run: `head` is a machine; the next program does the same", HERE],
@@ -37,7 +37,7 @@ RUN_BY = {
     ],
     "docs/how-to/python.md": [TRANSCRIPTS, SNIPPETS, SNIPPETS],
     "docs/reference/modes.md": [SNIPPETS],
-    "docs/reference/python.md": [TRANSCRIPTS, SNIPPETS, SNIPPETS],
+    "docs/reference/python.md": [TRANSCRIPTS, SNIPPETS, SNIPPETS, SNIPPETS],
     "docs/reference/studies.md": [SNIPPETS],
     "docs/tutorial/installation.md": [INSTALLS, INSTALLS, INSTALLS],
 }

@@ -76,6 +76,17 @@ def test_results_are_opened_and_studies_begun_as_the_page_of_the_interface_shows
     assert f"```text\n{printed(commands, program)}```" in (TOP / "docs/reference/python.md").read_text()
 
 
+def test_the_program_of_the_readme_runs_and_draws(tmp_path):
+    """README.md: the lowest place of the point does not depend on the speed of its crank."""
+    (tmp_path / "decks").symlink_to(TOP / "decks")
+    (program,) = snippets("../README.md")
+    shown = printed(tmp_path, program + "print(table['result/z'])")
+    status, lowest, table = re.fullmatch(r"(\w+) \(26, 4, 3\) (\S+)\n\[(.*)\]\n", shown).groups()
+    assert status == "complete" and float(lowest) == pytest.approx(-1.98, abs=0.03)
+    assert [float(each) for each in table.split()] == pytest.approx([-1.98, -1.98], abs=0.03)
+    assert (tmp_path / "path.png").read_bytes().startswith(b"\x89PNG")
+
+
 def test_the_record_of_json_is_read_as_the_page_shows(commands):
     (*_, program) = snippets("reference/python.md")
     assert printed(commands, program) == "complete 26 ['OUT4-BAR.dat', 'OUT4-BAR.h5']\n"
