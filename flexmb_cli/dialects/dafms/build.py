@@ -1,6 +1,7 @@
 """FMBD.DAT → Tree: what the cards of DAFMS mean (thesis of Zhao, 1992, chapter 2 and appendix C)."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ from ...model.tree import (
     generalized_coordinates,
 )
 from ..elements_block.line import SECTION as ELEMENTS
+from ..elements_block.line import mass_lines
 from .bodies import build_bodies
 from .hinges import build_hinges
 from .time_functions import build_closures, build_functions_of_time
@@ -44,6 +46,8 @@ def build_dafms(deck: Deck, folder: Path = HERE) -> tuple[Tree, list[Fault]]:
     _check_magnitudes(deck, findings)
     _stop_at_errors(deck, findings)
     bodies = build_bodies(values, findings)
+    if lines := values.section(ELEMENTS):
+        bodies = _with_masses(bodies, lines, folder, findings)
     hinges = build_hinges(values, bodies, findings)
     time = build_time(values, findings)
     integration = build_integration(values, findings)
@@ -68,7 +72,7 @@ def build_dafms(deck: Deck, folder: Path = HERE) -> tuple[Tree, list[Fault]]:
         shapes=shapes,
         **functions,
     )
-    if lines := values.section(ELEMENTS):
+    if lines:
         # They need much of the models of other dialects.
         from .block_elements import with_elements
 
@@ -78,6 +82,23 @@ def build_dafms(deck: Deck, folder: Path = HERE) -> tuple[Tree, list[Fault]]:
     check_inertia(tree, values, findings)
     _stop_at_errors(deck, findings)
     return tree, findings.in_order
+
+
+def _with_masses(bodies: tuple[Body, ...], lines: Any, folder: Path, findings: Findings) -> tuple[Body, ...]:
+    """The bodies with the masses of lines of the block; inertia is about O_k."""
+    if not mass_lines(lines):
+        return bodies
+    # Few decks have any.
+    from ...fe.solid_masses import about, combined, point_mass
+    from ..elements_block.masses import added_masses
+
+    found = list(bodies)
+    for k, solids in added_masses(lines, [body.elastic is None for body in bodies], folder, findings).items():
+        body = bodies[k]
+        whole = combined([point_mass(body.mass, body.centre), *solids])
+        own = sum(solid.inertia + about(solid.mass, np.array(solid.centre)) for solid in solids)
+        found[k] = replace(body, mass=whole.mass, centre=whole.centre, inertia=body.inertia + own)
+    return tuple(found)
 
 
 def _shapes(values: DeckValues, findings: Findings) -> Any:

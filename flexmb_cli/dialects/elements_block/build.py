@@ -27,7 +27,7 @@ from ...model.laws import (
 )
 from .contacts import touch_of
 from .functions import Functions
-from .line import OUTPUT, ElementLine
+from .line import MASS, OUTPUT, ElementLine
 from .measures import Measures
 from .words import BY_WORD, key_of
 
@@ -52,7 +52,7 @@ class BlockBuilder:
         """The elements of all lines but functions; `more`: makers of those of the dialect, by their words."""
         found: dict[str, list[Any]] = {}
         for line in lines:
-            if line.word in ("FUNCTION", OUTPUT):
+            if line.word in ("FUNCTION", OUTPUT, MASS):
                 continue
             field, item = self._element(line, more)
             if item is not None:

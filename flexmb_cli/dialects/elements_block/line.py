@@ -10,6 +10,7 @@ from ...errors import Place
 SECTION = "elements"
 MOST_ELEMENTS = 20_000  # of a deck; one takes up to 6 kB
 OUTPUT = "OUTPUT"  # word of quantities that results have besides
+MASS = "MASS"  # word of masses that are added to bodies
 # Words that bring in equations, or take those of the deck away.
 CONSTRAINING = ("DRIVE", "SUPPORT", "COUPLING", "JOINT")
 
@@ -55,3 +56,8 @@ def lines_of(deck: Deck) -> Sequence[ElementLine]:
 def has_outputs(deck: Deck) -> bool:
     """Return whether a deck has lines OUTPUT."""
     return any(line.word == OUTPUT for line in lines_of(deck))
+
+
+def mass_lines(lines: Iterable[ElementLine]) -> list[ElementLine]:
+    """Return the lines MASS among those of a deck."""
+    return [line for line in lines if line.word == MASS]

@@ -15,9 +15,23 @@ from ...deck.record import Number
 from ...deck.words import Word
 from ...errors import Fault, FaultList, Place
 from ...model.laws import VECTOR
-from .line import MOST_ELEMENTS, OUTPUT, SECTION, ElementLine
+from .line import MASS, MOST_ELEMENTS, OUTPUT, SECTION, ElementLine
 from .text import BLOCK, statements
-from .words import BY_WORD, COORDINATE, END, FILE, FUNCTION, NUMBER, OUTPUTS, POSITIONS, WHOLE, BlockWord, Key
+from .words import (
+    BY_WORD,
+    COORDINATE,
+    END,
+    FILE,
+    FUNCTION,
+    NUMBER,
+    OUTPUTS,
+    POINT,
+    POSITIONS,
+    STL,
+    WHOLE,
+    BlockWord,
+    Key,
+)
 
 MOST_NUMBERS_OF_BLOCKS = 200_000  # of the blocks of a deck; longer tables stand in files
 NAME = re.compile(r"[A-Za-z0-9_-]+")
@@ -362,12 +376,22 @@ class _Line:
             self.error(self.first, message, id="ELEMENTS-062")
         if self.word.word == OUTPUT:
             self._check_output()
+        if self.word.word == MASS:
+            self._check_solid()
         for groups in self.word.choices:
             complete = [group for group in groups if all(key in self.given for key in group)]
             some = [group for group in groups if any(key in self.given for key in group)]
             if len(complete) != 1 or len(some) != 1:
                 ways = " or ".join(" and ".join(f"{key}=" for key in group) for group in groups)
                 self.error(self.first, f"either {ways} must be given: {usage(self.word)}", id="ELEMENTS-063")
+
+    def _check_solid(self) -> None:
+        """Check that a mass has the keys of its type, and no other."""
+        wanted = {POINT: (), STL: ("file",)}.get(self.kind, ("size",))
+        others = ("size", "file", "unit", "density", "angles") if self.kind == POINT else ("size", "file")
+        if wrong := [key for key in others if (key in self.given) != (key in wanted)]:
+            message = f"{self.kind} takes {' and '.join(wanted) or 'mass'}=; not so {' and '.join(wrong)}"
+            self.error(self.first, message, id="ELEMENTS-189")
 
     def _check_output(self) -> None:
         """Check that an output has the keys of its type, and no other."""

@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 
 from ...deck.expansion.expressions import FORMULA
 from ...model.laws import FUNCTIONS, LAWS, PAIRS, REQUIRED, VECTOR, At, Joint, Law, Parameter, Touch
-from .line import OUTPUT
+from ...model.shapes import KINDS as SOLIDS
+from .line import MASS, OUTPUT
 
 # What the text behind `key=` is; numbers and vectors as in `model.laws`.
 NUMBER, WHOLE, FUNCTION, COORDINATE, END, FILE = (
@@ -46,6 +47,8 @@ OUTPUTS: dict[str, tuple[str, str, bool, tuple[str, ...]]] = {
     "rotation_vector": ("axis times angle of the rotation, without jumps", "rad", True, ("body",)),
     "angular_velocity": ("angular velocity, axes of the other body", "rad/s", True, ("body",)),
 }
+# Of lines MASS, besides the primitives of cards GEOM.
+POINT, STL = "point", "stl"
 LINKS = {"revcyl": ("axis_from", "axis_to"), "revsph": ("axis_from", "length"), "sphsph": ("length",)}
 
 
@@ -188,6 +191,22 @@ WORDS = (
             Key("length", "length of the link", units=("m", "m")),
         ),
         kinds=tuple(LINKS),
+    ),
+    BlockWord(
+        MASS,
+        "mass that is added to a rigid body: a point, a solid, or what a closed STL surface encloses",
+        (
+            Key("body", "number of the body", WHOLE, needed=True),
+            Key("mass", "its mass", units=("kg", "kg")),
+            Key("density", "its density, of a solid", units=("kg/m^3", "kg/m^3")),
+            Key("size", "sizes a, b, c as of a card GEOM, or 0", VECTOR, units=("m", "m")),
+            Key("file", "STL file", FILE),
+            Key("unit", "metres in a unit of the file, 0.001: mm", default=1.0, units=("m", "m")),
+            Key("centre", "its middle or a file's origin, axes of the body", VECTOR, (0.0,) * 3, ("m", "m")),
+            Key("angles", "turn about the fixed axes x, y, z", VECTOR, (0.0,) * 3, ("rad", "rad")),
+        ),
+        ((("mass",), ("density",)),),
+        kinds=(POINT, *SOLIDS, STL),
     ),
     BlockWord(
         OUTPUT,

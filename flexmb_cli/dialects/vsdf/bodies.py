@@ -15,6 +15,7 @@ from ...model.diagnostics import Findings, no_such
 from ...model.fe_model import RigidMass, VsdfBody
 from ...model.mechanism import GROUND
 from ...model.vectors import euler_parameters
+from ..elements_block.line import mass_lines
 from .cards import CARDS
 from .cards.bodies import BODY_CARDS
 from .flexible_bodies import flexible_body
@@ -107,10 +108,11 @@ def _rigid(
     values: DeckValues, k: int, record: Record, pose: dict[Any, Any], _folder: Path, findings: Findings
 ) -> VsdfBody:
     rigid = values.record("rigid", k)
-    if rigid is None:
+    lines: Any = values.section("elements") if rigid is None else ()
+    if rigid is None and not any(line["body"] == k for line in mass_lines(lines)):
         findings.error(
             record.subject,
-            "a RIGD body needs a card RIGI with its mass and inertia",
+            "a RIGD body needs a card RIGI with its mass and inertia, or a line MASS of a block",
             record.place,
             id="VSDF-005",
         )

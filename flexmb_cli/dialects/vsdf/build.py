@@ -18,7 +18,7 @@ from ...model.mechanism import GROUND, TimeGrid
 from ...model.time_checks import MOST_ROWS, unsteppable
 from ..elements_block.build import BlockBuilder
 from ..elements_block.functions import Functions
-from ..elements_block.line import ElementLine
+from ..elements_block.line import ElementLine, mass_lines
 from ..elements_block.measures import JointMeasures
 from .bodies import build_bodies, build_ground
 from .cards.analysis import SHAPES, WITHOUT_CARD
@@ -47,14 +47,14 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     """
     values, findings = DeckValues(deck), Findings()
     refuse_unread(values, findings)
-    bodies = build_bodies(values, folder, findings)
+    lines: Any = values.section("elements")
+    bodies = _with_masses(build_bodies(values, folder, findings), lines, folder, findings)
     ground = build_ground(values, findings)
     time = _time(values, findings)
     integrator = _integrator(values, findings)
     joints = build_joints(values, bodies, ground, findings)
     tables = build_tables(values, findings)
     warn_of_tables(values, tables, findings)
-    lines: Any = values.section("elements")
     functions = Functions(lines, folder, findings, tables)
     elements = block_elements(lines, (bodies, ground, joints), functions, findings)
     factors = Factors(tables, functions, findings)
@@ -82,6 +82,22 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     gravity = values.record("gravity")
     g = gravity.vector("g") if gravity else (0.0, 0.0, 0.0)
     return VsdfModel(bodies, time, integrator, ground, gravity=g, **parts), findings.in_order
+
+
+def _with_masses(bodies: Any, lines: Any, folder: Path, findings: Findings) -> Any:
+    """The bodies with the masses of lines of the block."""
+    if not mass_lines(lines):
+        return bodies
+    # Few decks have any.
+    from ...fe.solid_masses import combined
+    from ..elements_block.masses import added_masses
+
+    added = added_masses(lines, [body.flexible is None for body in bodies], folder, findings)
+    found = list(bodies)
+    for k, solids in added.items():
+        own = [bodies[k].rigid] if bodies[k].rigid else []
+        found[k] = replace(bodies[k], rigid=combined([*own, *solids]))
+    return tuple(found)
 
 
 def _shapes(values: DeckValues, bodies: Sequence[VsdfBody], folder: Path, findings: Findings) -> Any:

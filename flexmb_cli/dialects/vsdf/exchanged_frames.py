@@ -102,7 +102,7 @@ def _angles(deck: Deck) -> Iterator[tuple[Record, Number, int]]:
     for record in deck.section("joint_spring"):
         yield record, record.at("joint"), record["joint"]
     for line in lines_of(deck):
-        for number in line.numbers if line.word not in ("START", "DRIVE", "OUTPUT") else ():
+        for number in line.numbers if line.word not in ("START", "DRIVE", "OUTPUT", "MASS") else ():
             joint, _, coordinate = str(number.value if number.key == "at" else number.key).partition(".")
             if number.key == "joint":
                 yield line, number, number.value

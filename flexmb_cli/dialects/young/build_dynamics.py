@@ -1,6 +1,7 @@
 """The dynamic cards of a YOUNG deck to masses, loads and first velocities of its mechanism."""
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from ...model.loads import AppliedForce, AppliedTorque, DynamicModel, InitialVel
 from ...model.mechanism import GROUND, Mechanism
 from ..elements_block.build import BlockBuilder
 from ..elements_block.functions import Functions
-from ..elements_block.line import ElementLine, lines_of
+from ..elements_block.line import ElementLine, lines_of, mass_lines
 from ..elements_block.measures import JointMeasures
 from ..elements_block.words import LINKS
 from .build import build_young
@@ -48,7 +49,7 @@ def build_young_dynamics(deck: Deck, folder: Path = HERE) -> tuple[DynamicModel,
     model = DynamicModel(
         mechanism,
         analysis,
-        _made(deck, "mass", _mass, findings),
+        _masses(deck, lines, len(mechanism.bodies), folder, findings),
         _made(deck, "force", partial(_force, functions=functions), findings),
         _made(deck, "torque", partial(_torque, functions=functions), findings),
         _one_of(_made(deck, "spring", _spring, findings), _made(deck, "damper", _damper, findings)),
@@ -115,6 +116,29 @@ def _check_once(deck: Deck, findings: Findings) -> None:
                 what = f"body {key}" if key else "the deck"
                 message = f"{what} already has {other.subject}; remove one of them"
                 findings.error(record.subject, message, record.place, id="YOUNG-003")
+
+
+def _masses(
+    deck: Deck, lines: Sequence[ElementLine], bodies: int, folder: Path, findings: Findings
+) -> Sequence[MassProperties]:
+    """The masses of cards MASS, with those of lines of the block."""
+    given: Sequence[MassProperties] = _made(deck, "mass", _mass, findings)
+    if not mass_lines(lines):
+        return given
+    # Few decks have any.
+    from ...fe.solid_masses import combined
+    from ...model.fe_model import RigidMass
+    from ..elements_block.masses import added_masses
+
+    added = added_masses(lines, [True] * bodies, folder, findings)
+    found = {item.body: item for item in given}
+    for body, solids in added.items():
+        item = found.get(body) or MassProperties(f"body {body + 1}", body, 0.0)
+        whole = combined([RigidMass(item.mass, item.centre, inertia_matrix(item.inertia)), *solids])
+        J = whole.inertia
+        elements = J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[1, 2], J[2, 0]
+        found[body] = replace(item, mass=whole.mass, centre=whole.centre, inertia=elements)
+    return tuple(found.values())
 
 
 def _mass(record: Record, findings: Findings) -> MassProperties:
