@@ -73,7 +73,7 @@ def _old() -> list[str]:
             card = [*number, *fields[dialect], *letters[:few]]
             ((_, line),) = new_lines(dialect, word, [card], {})
             line = f"{line} …" if few and line else line
-            what = f"`{line}`" if line else "nothing: results of decks with elements hold joint coordinates"
+            what = f"`{line}`" if line else "nothing: all results hold joint coordinates"
             rows.append(f"| {dialect.upper()} `{word}` | {what} |")
     return ["| card | line of the block |", "|---|---|", *rows, ""]
 

@@ -56,13 +56,14 @@ TUPLES = {
     "Newton": ("kernels.kinematics.newton:Work", "f4 f2 f2 f2 i1 i2"),
     "System": (
         "kernels.constrained.system:System",
-        "CONSTRAINT1 i2 f1 f1 MASS1 FLEXIBLE1 f1 BODY_VECTOR1 f1 PRIMITIVE1 LOAD1 FUNCTION1 f2 f1 GROUP1",
+        "CONSTRAINT1 i2 f1 f1 MASS1 FLEXIBLE1 f1 BODY_VECTOR1 f1 PRIMITIVE1 LOAD1 FUNCTION1 f2 f1 GROUP1 "
+        "BODY_VECTOR1 PRIMITIVE1",
     ),
     "Work": (
         "kernels.constrained.system:Work",
-        "f4 f2 f2 f2 f1 i1 f2 f2 f3 f1 f3 f4 f1 f2 i1 f1 f1 f2 i2 i1 i2 f1 f2",
+        "f4 f2 f2 f2 f1 i1 f2 f2 f3 f1 f3 f4 f1 f2 i1 f1 f1 f2 i2 i1 i2 f1 f2 f3 f4",
     ),
-    "Report": ("kernels.constrained.report:Report", "f1 f2 f2 f4 f2 f1 f2 f3"),
+    "Report": ("kernels.constrained.report:Report", "f1 f2 f2 f4 f2 f1 f2 f3 f3"),
     "Integration": ("kernels.integrators.constrained_dop853:Integration", "CLOCK1 f1 f1 f1 f2 f2 f1 f2"),
     "AlphaIntegration": (
         "kernels.integrators.generalised_alpha:AlphaIntegration",

@@ -92,6 +92,8 @@ def turning_rows(time):
         point_position=2 * radius[:, None],
         point_velocity=2 * tangent[:, None],
         point_acceleration=-2 * SPEED**2 * radius[:, None],
+        joint_coordinate=np.zeros((len(time), 0)),
+        joint_rate=np.zeros((len(time), 0)),
         constraint_residual=zero,
         velocity_residual=zero,
         newton_iterations=np.full(len(time), 3),

@@ -20,7 +20,7 @@ _LAWS = {
 }
 _FUNCTIONS = ("table", "spline", "polynomial", "sine", "ramp", "step", "sum", "product")
 _LINKS = {"REVCYL": "axis_from() axis_to()", "REVSPH": "axis_from() length", "SPHSPH": "length"}
-_NOTHING = ""  # no line: results of decks with elements hold joint coordinates
+_NOTHING = ""  # no line: all results hold joint coordinates
 
 
 def _of_joints(letters: dict[str, str], ends: str) -> dict[str, str]:
@@ -86,7 +86,7 @@ _KINDS = {
 _OPTIONAL = ("rest", "damping", "preload", "curve", "damper", "radius", "x", "y", "z")  # 0 where left out
 _COORDINATES = {"1": "angle", "2": "stroke"}
 _ZEROS = ("", "0", "0.", "0.0", "+0", "-0")
-_REMOVE = "remove it; results hold joint coordinates if the deck has elements"
+_REMOVE = "remove it; all results hold joint coordinates"
 _MOST_WORDS = 30  # of a line in a message
 # Letters of the fields of VSDF cards: I of 5 columns, F of 10, A a blank and 4.
 VSDF_FIELDS = {

@@ -9,7 +9,7 @@ from .._jit import kernel
 from ..kinematics.constraints import SCREW
 from ..kinematics.joints import screw
 from ..linalg.rotation import A, rotate, rotation_matrices
-from .body_vectors import geometry_of, move_vectors, place_vectors
+from .body_vectors import geometry_of, geometry_of_joints, move_vectors, place_vectors
 from .constraint_primitives import angle_rates, primitive_angle
 from .report import coordinates_and_speeds
 from .system import System, Work
@@ -48,10 +48,15 @@ def expect_angles(
     for end in range(2 if integration.angles.shape[1] else 0):
         q, u = coordinates_and_speeds(system, integration.z if end == 0 else integration.trial)
         rotation_matrices(q, work.rotations[A])
-        geometry = geometry_of(system, work)
-        place_vectors(geometry, q)
-        move_vectors(geometry, u)
-        _add_angles(system, work, u, 0.5 * h, integration.angles[EXPECTED])
+        if _counts_turns(system, integration.angles.shape[1]):
+            geometry = geometry_of(system, work)
+            place_vectors(geometry, q)
+            move_vectors(geometry, u)
+            _add_angles(system, work, u, 0.5 * h, integration.angles[EXPECTED])
+        of_joints = geometry_of_joints(system, work)
+        place_vectors(of_joints, q)
+        move_vectors(of_joints, u)
+        _add_rates(of_joints.primitives, of_joints.placed, 0.5 * h, integration.angles[EXPECTED])
     largest = 0.0
     for k in range(system.primitives.shape[0]):
         s = system.primitives[k]["turn"]
@@ -67,26 +72,52 @@ def _add_angles(system: System, work: Work, u: np.ndarray, h: float, angles: np.
         c = system.constraints[k]
         if c["kind"] == SCREW:
             angles[c["screw"]] += h * _turn_rate(work, c, u)
-    for k in range(system.primitives.shape[0]):
-        if system.primitives[k]["turn"] >= 0:
-            angles[system.primitives[k]["turn"]] += (
-                h * angle_rates(work.body_vectors, system.primitives[k])[0]
-            )
+    _add_rates(system.primitives, work.body_vectors, h, angles)
 
 
 @kernel
-def nearest_angles(system: System, work: Work, expected: np.ndarray, angles: np.ndarray) -> None:
-    """Fill angles (angles,) with those nearest to `expected`, where A and the body vectors belong to the
-    position.
-    """
+def _add_rates(primitives: np.ndarray, placed: np.ndarray, h: float, angles: np.ndarray) -> None:
+    """Add h times the rates of the angles of primitives; placed (3, body vectors, 3)."""
+    for k in range(primitives.shape[0]):
+        if primitives[k]["turn"] >= 0:
+            angles[primitives[k]["turn"]] += h * angle_rates(placed, primitives[k])[0]
+
+
+@kernel
+def _counts_turns(system: System, angles: int) -> bool:
+    """Return whether any of so many angles is in an equation or in a load."""
+    first = angles
+    for k in range(system.joint_coordinates.shape[0]):
+        if system.joint_coordinates[k]["turn"] >= 0:
+            first = min(first, system.joint_coordinates[k]["turn"])
+    return first > 0
+
+
+@kernel
+def nearest_angles(
+    system: System, work: Work, q: np.ndarray, expected: np.ndarray, angles: np.ndarray
+) -> None:
+    """Fill angles (angles,) with those nearest to `expected`, where A and the body vectors belong to q."""
     for k in range(system.constraints.shape[0]):
         c = system.constraints[k]
         if c["kind"] == SCREW:
             angles[c["screw"]] = screw.angle(c, work.rotations[A], expected[c["screw"]])
-    for k in range(system.primitives.shape[0]):
-        s = system.primitives[k]["turn"]
+    of_joints = geometry_of_joints(system, work)
+    if angles.shape[0] > 0:
+        place_vectors(of_joints, q)
+    _fill_nearest(system.primitives, work.body_vectors, expected, angles)
+    _fill_nearest(of_joints.primitives, of_joints.placed, expected, angles)
+
+
+@kernel
+def _fill_nearest(
+    primitives: np.ndarray, placed: np.ndarray, expected: np.ndarray, angles: np.ndarray
+) -> None:
+    """Fill the angles of primitives with those nearest to `expected`; placed (3, body vectors, 3)."""
+    for k in range(primitives.shape[0]):
+        s = primitives[k]["turn"]
         if s >= 0:
-            angles[s] = primitive_angle(work.body_vectors, system.primitives[k], expected[s])
+            angles[s] = primitive_angle(placed, primitives[k], expected[s])
 
 
 @kernel
@@ -94,7 +125,8 @@ def unwrap_angles(system: System, work: Work, integration: "Integration | RadauI
     """Angles at the end of a step, where A and the body vectors belong to it."""
     for s in range(integration.angles.shape[1]):
         integration.angles[OLD, s] = integration.angles[NEW, s]
-    nearest_angles(system, work, integration.angles[EXPECTED], integration.angles[NEW])
+    q = coordinates_and_speeds(system, integration.z)[0]
+    nearest_angles(system, work, q, integration.angles[EXPECTED], integration.angles[NEW])
 
 
 @kernel
@@ -102,4 +134,4 @@ def fill_angles(system: System, work: Work, q: np.ndarray, expected: np.ndarray,
     """Fill angles (angles,) with those at q that are nearest to `expected`, rad."""
     rotation_matrices(q, work.rotations[A])
     place_vectors(geometry_of(system, work), q)
-    nearest_angles(system, work, expected, angles)
+    nearest_angles(system, work, q, expected, angles)

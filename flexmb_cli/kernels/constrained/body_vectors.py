@@ -48,6 +48,19 @@ def geometry_of(system: System, work: Work) -> Geometry:
     )
 
 
+@plain
+def geometry_of_joints(system: System, work: Work) -> Geometry:
+    """The geometry of the joint coordinates that are reported."""
+    return Geometry(
+        system.joint_vectors,
+        system.shapes,
+        system.joint_coordinates,
+        work.rotations[A],
+        work.joint_vectors,
+        work.joint_ends,
+    )
+
+
 @kernel
 def _deformed(
     body_vector: np.void, shapes: np.ndarray, x: np.ndarray, first: int

@@ -8,6 +8,8 @@ from .._jit import kernel
 from ..laws import POWER
 from ..linalg.number_rows import copy
 from .accelerations import accelerations
+from .body_vectors import geometry_of_joints, move_vectors, place_vectors
+from .constraint_primitives import primitive_rates, primitive_value
 from .forces import spring_energy
 from .mass_matrix import kinetic_energy, strain_energy, weight_energy
 from .multipliers import fill_multipliers, fill_wrenches
@@ -29,6 +31,7 @@ class Report(NamedTuple):
     powers: np.ndarray  # (T,) of drivers and applied loads, W
     audit: np.ndarray  # (T, 5) energy: kinetic, of weights and springs, of strain, J; largest gap, its rate
     responses: np.ndarray  # (T, loads, 8) of springs and elements, columns and SI units as in `elements`
+    joints: np.ndarray  # (T, joint coordinates, 2) rad or m, rad/s or m/s
 
 
 @kernel
@@ -99,6 +102,21 @@ def complete_motion(
     evaluate_residual(system, work, q, t, expected)
     audit[3] = largest_gap(system, work)[0]
     audit[4] = rate_gap(system, work, u, t)
+    _fill_joint_coordinates(system, work, q, u, expected, report.joints[row])
+
+
+@kernel
+def _fill_joint_coordinates(
+    system: System, work: Work, q: np.ndarray, u: np.ndarray, expected: np.ndarray, joints: np.ndarray
+) -> None:
+    """Fill joints (joint coordinates, 2) with values and rates, where A belongs to q."""
+    geometry = geometry_of_joints(system, work)
+    place_vectors(geometry, q)
+    move_vectors(geometry, u)
+    for k in range(joints.shape[0]):
+        turn = system.joint_coordinates[k]["turn"]
+        joints[k, 0] = primitive_value(geometry, k, expected[turn] if turn >= 0 else 0.0)
+        joints[k, 1] = primitive_rates(geometry, k)[0]
 
 
 @kernel

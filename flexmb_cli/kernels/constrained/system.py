@@ -34,6 +34,8 @@ class System(NamedTuple):
     knots: np.ndarray  # (k, 3) knots of their tables and pieces: s, value, second rate; see `FunctionTable`
     gravity: np.ndarray  # (3,) global axes, m/s²
     groups: np.ndarray  # GROUP records
+    joint_vectors: np.ndarray  # BODY_VECTOR records of joint coordinates, which only report rows hold
+    joint_coordinates: np.ndarray  # their PRIMITIVE records, whose angles stand behind all others
 
 
 class Work(NamedTuple):
@@ -64,6 +66,8 @@ class Work(NamedTuple):
     ends: np.ndarray  # (m, 4) places where a row of them begins and ends, see `sparse_rows`
     diagonal: np.ndarray  # (m,) pivots of the elimination, scaled
     scales: np.ndarray  # (m, c) of the entries of the Jacobian: units of speeds over those of equations
+    joint_vectors: np.ndarray  # (3, joint vectors, 3) as `body_vectors`
+    joint_ends: np.ndarray  # (3, joint coordinates, 2, 3) as `relative_vectors`
 
 
 PHI, GAMMA, SCALED = 0, 1, 2
@@ -90,6 +94,8 @@ def make_work(system: System, angles: int) -> Work:
         np.zeros((system.loads.shape[0], _columns_of_answers(system))), columns,
         paged_zeros((m * n,), np.int64),
         np.zeros((m, 4), np.int64), np.zeros(m), _scales_of(system, columns),
+        np.zeros((3, system.joint_vectors.shape[0], 3)),
+        np.zeros((3, system.joint_coordinates.shape[0], 2, 3)),
     )  # fmt: skip
 
 

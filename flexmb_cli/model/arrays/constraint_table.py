@@ -53,6 +53,12 @@ class PrimitiveTable(FunctionTable):
         self.angles: list[float] = list(angles)
         self._known: dict[tuple[int, bytes, bytes | None], int] = {}
         self._next = NONE
+        self._reported: PrimitiveTable | None = None
+
+    def reported(self) -> "PrimitiveTable":
+        """Return the table of the joint coordinates that report rows alone hold, its `springs`."""
+        self._reported = self._reported or PrimitiveTable(self.bodies, self.length)
+        return self._reported
 
     def A(self, body: int) -> np.ndarray:
         """Rotation matrix of a body at t = 0; the ground's is 1."""
@@ -151,13 +157,20 @@ class PrimitiveTable(FunctionTable):
     def arrays(self) -> dict[str, Any]:
         """The arrays of `SystemArrays` that are collected here."""
         body_vectors, shapes = self.body_vectors.arrays()
+        reported = self.reported()
+        of_joints, more_shapes = reported.body_vectors.arrays()
+        coordinates = reported._primitives()
+        of_joints["shape"] += shapes.size
+        coordinates["turn"] += np.where(coordinates["turn"] >= 0, len(self.angles), 0)
         return {
             "equations": tuple(self.names),
-            "angles": np.array(self.angles, dtype=float),
+            "angles": np.array([*self.angles, *reported.angles], dtype=float),
+            "joint_vectors": of_joints,
+            "joint_coordinates": coordinates,
             "row_scale": np.array([equation.scale for equation in self.names]),
             "groups": np.array(self.groups, dtype=GROUP).reshape(-1),
             "body_vectors": body_vectors,
-            "shapes": shapes,
+            "shapes": np.concatenate([shapes, more_shapes]),
             "primitives": self._primitives(),
             **self.function_arrays(),
         }

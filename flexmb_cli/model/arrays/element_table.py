@@ -88,17 +88,19 @@ def coordinates_of_joints(joints: Sequence[Any]) -> list[JointCoordinateName]:
     ]
 
 
+def report_coordinates(
+    joints: "PointJoints | HingeJoints", coordinates: Sequence[JointCoordinateName]
+) -> None:
+    """Enter coordinates of joints of a table's `reported()`, which report rows then hold."""
+    for name in coordinates:
+        joints.table.spring(joints.primitive(name.joint, name.coordinate))
+
+
 class ElementTable:
     """Fills a table of primitives with elements, equations first."""
 
-    def __init__(
-        self,
-        table: PrimitiveTable,
-        joints: "PointJoints | HingeJoints",
-        elements: JointElements,
-        reported: Sequence[JointCoordinateName],
-    ):
-        self.table, self.joints, self.elements, self.reported = table, joints, elements, reported
+    def __init__(self, table: PrimitiveTable, joints: "PointJoints | HingeJoints", elements: JointElements):
+        self.table, self.joints, self.elements = table, joints, elements
         self._bushings = 0  # so far
 
     def add_couplings(self) -> None:
@@ -132,14 +134,13 @@ class ElementTable:
             self.table.equations(item.name, item.place, *self.joints.bodies(item.joint), [part])
 
     def loads(self, others: Iterable[np.ndarray], springs: Iterable[Element] = ()) -> np.ndarray:
-        """LOAD records: `others`, springs of the deck, force elements, joint coordinates, friction.
+        """LOAD records: `others`, springs of the deck, force elements, friction.
 
         All equations must have been added.
         """
         forces = self.elements.forces
         found = [*others, *(self._load(item) for item in springs)]
         found += [self._load(item) for item in forces if item.law is not FRICTION]
-        found += [self._at(At(name.joint, name.coordinate)) for name in self.reported]
         found += [self._friction(item) for item in forces if item.law is FRICTION]
         return np.concatenate([np.zeros(0, LOAD), *map(np.atleast_1d, found)])
 

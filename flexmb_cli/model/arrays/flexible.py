@@ -8,7 +8,7 @@ import numpy as np
 
 from ..flexible_mechanism import FlexibleMechanism, FloatingBody
 from .constraint_table import PrimitiveTable
-from .element_table import ElementTable, PointJoints, coordinates_of_joints
+from .element_table import ElementTable, PointJoints, coordinates_of_joints, report_coordinates
 from .kinematic import CONSTRAINT
 from .node_joints import add_joints, add_motions
 from .records import FLEXIBLE, FORCE, MASS, NONE, TORQUE, vector_load
@@ -90,9 +90,9 @@ def _flexible(bodies: Any) -> tuple[np.ndarray, np.ndarray]:
 
 def _elements(table: PrimitiveTable, mechanism: FlexibleMechanism) -> Any:
     """The elements, whose equations stand behind all others."""
-    joints = PointJoints(table, mechanism.joints)
-    reported = coordinates_of_joints(mechanism.joints) if mechanism.elements else []
-    found = ElementTable(table, joints, mechanism.elements, reported)
+    found = ElementTable(table, PointJoints(table, mechanism.joints), mechanism.elements)
+    joints = PointJoints(table.reported(), mechanism.joints)
+    report_coordinates(joints, coordinates_of_joints(mechanism.joints))
     found.add_couplings()
     return found
 

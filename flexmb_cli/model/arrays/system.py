@@ -26,6 +26,8 @@ class SystemArrays:
     constraints: np.ndarray  # CONSTRAINT
     bodies_of: np.ndarray  # (rows of constraints, 2)
     groups: np.ndarray  # GROUP
+    joint_vectors: np.ndarray  # BODY_VECTOR of joint coordinates, which only report rows hold
+    joint_coordinates: np.ndarray  # PRIMITIVE
     masses: np.ndarray  # (b,) MASS
     flexible: np.ndarray  # FLEXIBLE
     modal: np.ndarray  # their invariants

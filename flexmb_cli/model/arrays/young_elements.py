@@ -12,7 +12,7 @@ from ..joint_elements import CompositeJoint, DrivenItem, JointElements
 from ..loads import DynamicModel
 from ..mechanism import Joint, Mechanism
 from .constraint_table import PrimitiveTable
-from .element_table import ElementTable, PointJoints, coordinates_of_joints
+from .element_table import ElementTable, PointJoints, coordinates_of_joints, report_coordinates
 from .node_joints import EQUATIONS_OF, JointVectors
 from .records import NONE
 
@@ -50,13 +50,9 @@ def rigid_point(body: int, r0: np.ndarray | tuple[float, float, float]) -> NodeP
 
 def young_elements(table: PrimitiveTable, model: DynamicModel) -> ElementTable:
     """The elements of a model, whose equations are in the table already."""
-    joints = model.mechanism.joints
-    found = ElementTable(
-        table,
-        PointJoints(table, [point_joint(joint) for joint in joints]),
-        model.elements,
-        coordinates_of_joints(joints) if model.elements else [],
-    )
+    joints = [point_joint(joint) for joint in model.mechanism.joints]
+    found = ElementTable(table, PointJoints(table, joints), model.elements)
+    report_coordinates(PointJoints(table.reported(), joints), coordinates_of_joints(joints))
     _Equations(table, model).add()
     found.add_couplings()
     found.add_drivers(model.mechanism.time.start)

@@ -16,9 +16,8 @@ from .layout import (
     Layout,
     Series,
     Values,
-    coordinate_names,
     effort_series,
-    joint_values,
+    element_values,
     numbered_axis,
     with_elements,
     with_units,
@@ -106,16 +105,14 @@ def element_layout(model: DynamicModel) -> Layout:
         names, units = zip(*drivers, strict=True)
         axes.append(with_units(numbered_axis("driver", names), "driver", units))
         series.append(effort_series(FORCES["driver_effort"], units))
-    joints = model.mechanism.joints
-    coordinates = coordinate_names(joints, readable_names("joint", joints))
     layout = replace(found, axes=tuple(axes), series=tuple(series))
-    found = with_elements(layout, coordinates, model.elements, model.springs)
+    found = with_elements(layout, model.elements, model.springs)
     return _with_composites(found, model.elements.composites)
 
 
-def element_values(model: DynamicModel, rows: "ElementRows") -> Values:
+def values_with_elements(model: DynamicModel, rows: "ElementRows") -> Values:
     """The fields of report rows (`ElementRows`) by the paths of their datasets."""
-    return {**dynamic_values(model, rows), **joint_values(rows), **joint_values(rows, COMPOSITE_SERIES)}
+    return {**dynamic_values(model, rows), **element_values(rows), **element_values(rows, COMPOSITE_SERIES)}
 
 
 def _with_composites(layout: Layout, composites: tuple[CompositeJoint, ...]) -> Layout:

@@ -11,6 +11,7 @@ from .layout import (
     DRIVER,
     EULER_PARAMETER,
     FORCE,
+    JOINT_SERIES,
     JOINT_VECTOR,
     PATH,
     POINT_MOTION,
@@ -21,9 +22,9 @@ from .layout import (
     Layout,
     Series,
     Values,
-    coordinate_names,
+    coordinate_axes,
     effort_series,
-    joint_values,
+    element_values,
     numbered_axis,
     with_elements,
     with_shapes,
@@ -81,6 +82,7 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
     for body in _flexible(mechanism):
         axes += [_mode_axis(body), _node_axis(body), *element_axes(body)]
     axes += stress_axes(mechanism)
+    axes += coordinate_axes(mechanism.joints, [joint.name for joint in mechanism.joints])
     present = {axis.path for axis in axes}
     series = [
         effort_series(item, units) if item.path == PATH else item
@@ -94,8 +96,7 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
     series += stress_series(mechanism)
     found = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), tuple(_constants(mechanism)))
     if mechanism.elements:
-        coordinates = coordinate_names(mechanism.joints, [joint.name for joint in mechanism.joints])
-        found = with_elements(found, coordinates, mechanism.elements, mechanism.springs)
+        found = with_elements(found, mechanism.elements, mechanism.springs)
     return with_shapes(found, mechanism.shapes)
 
 
@@ -108,12 +109,12 @@ def flexible_values(mechanism: FlexibleMechanism, rows: "FlexibleRows") -> Value
     for body, rate in zip(_flexible(mechanism), rows.amplitude_rate, strict=True):
         values[_rate(body)] = rate
     if mechanism.elements:
-        values |= joint_values(rows)
+        values |= element_values(rows)
     return values | stress_values(mechanism, values)
 
 
 def _named() -> dict[str, Series]:
-    return BODY_MOTION | POINT_MOTION | FORCES
+    return BODY_MOTION | POINT_MOTION | JOINT_SERIES | FORCES
 
 
 def _flexible(mechanism: FlexibleMechanism) -> list[FloatingBody]:

@@ -10,12 +10,14 @@ from ...solvers.kinematics.rows import Rows
 from .layout import (
     BODY_MOTION,
     EULER_PARAMETER,
+    JOINT_SERIES,
     POINT_MOTION,
     TIME,
     XYZ,
     Layout,
     Series,
     Values,
+    coordinate_axes,
     numbered_axis,
     with_shapes,
 )
@@ -25,6 +27,7 @@ from .result_geometry import SIDE, mechanism_geometry
 SERIES = {
     **BODY_MOTION,
     **POINT_MOTION,
+    **JOINT_SERIES,
     "constraint_residual": Series(
         "audit/constraint_residual", (), "1", "largest constraint equation, max-norm"
     ),
@@ -45,6 +48,7 @@ def kinematic_layout(mechanism: Mechanism) -> Layout:
         )
         if items
     ]
+    axes += coordinate_axes(mechanism.joints, readable_names("joint", mechanism.joints))
     present_axes = (XYZ, EULER_PARAMETER, *([SIDE] if mechanism.joints else []), *axes)
     present = {axis.path for axis in present_axes}
     layout = Layout(

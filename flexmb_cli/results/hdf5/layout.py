@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...model.joint_elements import JointElements, names_of
+from ...model.joint_elements import COORDINATES_OF, JointElements, names_of
 from ...model.joints import ANGLE
 from ...model.laws import CONTACT, Element
 
@@ -191,44 +191,39 @@ CONTACT_SERIES = {
     )
 }
 OF_ELEMENTS = ELEMENT_SERIES | COUPLING_SERIES | CONTACT_SERIES
-SERIES = JOINT_SERIES | OF_ELEMENTS
 
 
-def with_elements(
-    layout: Layout,
-    coordinates: Sequence[tuple[str, str]],
-    elements: JointElements,
-    springs: Sequence[Element] = (),
-) -> Layout:
-    """The layout with axes and series of joint coordinates, pairs of name and unit, and of elements."""
+def with_elements(layout: Layout, elements: JointElements, springs: Sequence[Element] = ()) -> Layout:
+    """The layout with axes and series of elements."""
     axes = list(layout.axes)
     # The effort at a factor of 1: a coupling of a stroke is an equation of lengths.
     of_couplings = [(item.name, "N m" if item.of_angles else "N") for item in elements.couplings]
     named = list(names_of(elements, springs))
-    for kind, names in (("coordinate", coordinates), ("element", named), ("coupling", of_couplings)):
+    for kind, names in (("element", named), ("coupling", of_couplings)):
         if names:
             texts, units = zip(*names, strict=True)
             axes.append(with_units(numbered_axis(kind, texts), kind, units))
     if contacts := [name for item in elements.of(CONTACT) for name, _ in item.parts]:
         axes.append(numbered_axis("contact", contacts))
     present = {axis.path for axis in axes}
-    # A tree has series of its coordinates already.
-    wanted = SERIES if coordinates else OF_ELEMENTS
     # What all elements together dissipate has no axis, but belongs to theirs.
-    series = [item for item in wanted.values() if present.issuperset(item.axes or (ELEMENT,))]
+    series = [item for item in OF_ELEMENTS.values() if present.issuperset(item.axes or (ELEMENT,))]
     return replace(layout, axes=tuple(axes), series=(*layout.series, *series))
 
 
-def joint_values(rows: Any, series: dict[str, Series] = SERIES) -> Values:
+def element_values(rows: Any, series: dict[str, Series] = OF_ELEMENTS) -> Values:
     """Fields of report rows by the paths of their datasets."""
     return {item.path: getattr(rows, field) for field, item in series.items()}
 
 
-def coordinate_names(joints: Sequence[Any], names: Sequence[str]) -> list[tuple[str, str]]:
-    """Names and units of all joint coordinates; `names` of the joints."""
-    from ...model.arrays.element_table import coordinates_of_joints  # much that trees do without
-
-    return [
-        (f"{names[item.joint]} {item.coordinate}", "rad" if item.coordinate == ANGLE else "m")
-        for item in coordinates_of_joints(joints)
+def coordinate_axes(joints: Sequence[Any], names: Sequence[str]) -> list[Axis]:
+    """The axis of all joint coordinates, none without any; `names` of the joints."""
+    found = [
+        (f"{name} {coordinate}", "rad" if coordinate == ANGLE else "m")
+        for joint, name in zip(joints, names, strict=True)
+        for coordinate in COORDINATES_OF[joint.kind]
     ]
+    if not found:
+        return []
+    texts, units = zip(*found, strict=True)
+    return [with_units(numbered_axis("coordinate", texts), "coordinate", units)]

@@ -14,7 +14,6 @@ from .layout import (
     EULER_PARAMETER,
     FORCE,
     JOINT_VECTOR,
-    OF_ELEMENTS,
     PATH,
     POINT_MOTION,
     TORQUE,
@@ -24,7 +23,7 @@ from .layout import (
     Series,
     Values,
     effort_series,
-    joint_values,
+    element_values,
     numbered_axis,
     with_elements,
     with_shapes,
@@ -98,7 +97,7 @@ def tree_layout(tree: Tree, points: list[str], reactions: bool) -> Layout:
         series += OF_CLOSURES.values()
     layout = Layout("dynamic", tree.time.rows, tuple(axes), tuple(series), tree_geometry(tree))
     if tree.elements:
-        layout = with_elements(_with_drivers(layout, tree), (), tree.elements)
+        layout = with_elements(_with_drivers(layout, tree), tree.elements)
     return with_shapes(layout, tree.shapes)
 
 
@@ -128,7 +127,7 @@ def tree_values(tree: Tree, rows: "TreeRows", points: "PointMotion") -> Values:
     for (k, _), displacement in zip(_flexible(tree), rows.displacement, strict=True):
         values[_displacement(tree, k)] = displacement
     if tree.elements:
-        values |= joint_values(rows, OF_ELEMENTS)
+        values |= element_values(rows)
         if tree.prescribed or tree.elements.drivers:
             values[PATH] = cast("TreeElementRows", rows).driver_effort
     return values

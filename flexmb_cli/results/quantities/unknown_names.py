@@ -44,7 +44,7 @@ FORCES = "in a YOUNG deck DYNAMICS inverse or DYNAMICS forward"
 TREE, FLEXIBLE = "coordinate/u", "energy/strain"  # what results of trees have, and those of VSDF decks, too
 # What a deck needs for the quantities that begin with a word.
 NEEDS = {
-    "coordinate": "joint coordinates need an element in a block ELEMENTS, such as SPRING s at=1.angle",
+    "coordinate": "joint coordinates need a joint that turns about one axis, or slides along one",
     "reaction": f"reactions need masses: {FORCES}",
     "driver": f"efforts of drivers need masses: {FORCES}",
     "energy": f"energies need masses: {FORCES}",
@@ -60,7 +60,6 @@ OF_TREES = {
     "element": "elements need lines such as SPRING, STOP or BUSHING in a block ELEMENTS",
 }
 OF_VSDF = {
-    "coordinate": "joint coordinates need an element in a block ELEMENTS, such as SPRING s at=1.angle",
     "reaction": "reactions need joints, cards JOIN",
     "driver": "efforts of drivers need the card MOTN",
     "element": "elements need lines such as SPRING or BUSHING in a block ELEMENTS",

@@ -70,9 +70,9 @@ def _contents(model: DynamicModel) -> tuple[Callable[..., Any], Callable[..., An
     """Functions of the layout of the HDF5 file and of its values from report rows."""
     if not model.elements:
         return partial(dynamic_layout, model), partial(dynamic_values, model)
-    from ...results.hdf5.dynamic import element_layout, element_values
+    from ...results.hdf5.dynamic import element_layout, values_with_elements
 
-    return partial(element_layout, model), partial(element_values, model)
+    return partial(element_layout, model), partial(values_with_elements, model)
 
 
 def _stepped(model: DynamicModel, run: Run) -> "ForwardDynamics":

@@ -20,6 +20,7 @@ import numpy as np
 from ...errors import AnalysisError, Fault, ModelError
 from ...model.attitudes import Attitudes, held_coordinate
 from ...model.mechanism import Distance, Joint, Mechanism
+from ..kinematics.joint_motion import JointMotion, WholeTurns
 from ..kinematics.rows import Rows, rows_of
 from . import equations
 from .equations import MOST_BODIES, State, along, coincident, orthogonal, parallel, stacked
@@ -243,7 +244,7 @@ class AsPrinted:
         if len(mechanism.bodies) > MOST_BODIES:
             reported = f"the program of 1996 holds {MOST_BODIES} bodies, the deck has {len(mechanism.bodies)}"
             raise ModelError([Fault("error", f"{reported}; run it without --as-printed", id="SOLVE-031")])
-        self.mechanism, self.block = mechanism, block
+        self.mechanism, self.block, self.joints = mechanism, block, JointMotion(mechanism)
         self.program = Program(mechanism, errors, settings)
         self.reference = Program(mechanism, frozenset())
         # Screws count slide and turn from the estimates.
@@ -252,12 +253,15 @@ class AsPrinted:
 
     def rows(self) -> Iterator[Rows]:
         """Yield the report rows in blocks; raises AnalysisError where the program fails."""
+        return self.joints.continued(self._blocks(), WholeTurns(self.joints.turning))
+
+    def _blocks(self) -> Iterator[Rows]:
         grid = self.mechanism.time
         for first in range(0, grid.rows, self.block):
             times = [grid.time(k) for k in range(first, min(first + self.block, grid.rows))]
             found = [self._row(t) for t in times]
             states, audit = (np.array(part) for part in zip(*found, strict=True))
-            yield rows_of(self.mechanism, np.array(times), states, audit)
+            yield rows_of(self.mechanism, np.array(times), states, audit, self.joints.of)
 
     def _row(self, t: float) -> tuple[np.ndarray, tuple[float, float, int]]:
         """States (3, 7 n), and residuals of positions and speeds with Newton's iterations."""

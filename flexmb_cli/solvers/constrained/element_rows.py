@@ -1,4 +1,4 @@
-"""Report rows of decks and trees with elements: joint coordinates, and what every element does and bears."""
+"""Report rows of decks and trees with elements: what every element does and bears."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
@@ -10,11 +10,10 @@ from ...kernels.constrained.report import Report
 from ...kernels.contact import CHANGED, CONTACT_COLUMNS, PLACE, PUSH, TOUCHES
 from ...kernels.laws import COORDINATE, EFFORT, ENERGY, POWER, SPEED
 from ...model.arrays.dynamic import DynamicArrays
-from ...model.arrays.element_table import coordinates_of_joints
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.joint_elements import JointElements, names_of
-from ...model.laws import CONTACT, FRICTION, MOTOR, parts_in_arrays
+from ...model.laws import CONTACT, MOTOR, parts_in_arrays
 from ...model.loads import DynamicModel
 from ...model.vectors import cross_rows
 from .flexible_rows import FlexibleRows, flexible_rows
@@ -42,16 +41,8 @@ class ElementAnswers:
 
 
 @dataclass(frozen=True)
-class JointAnswers(ElementAnswers):
-    """The same with all joint coordinates, in rad, m and their rates."""
-
-    joint_coordinate: np.ndarray  # (T, joint coordinates)
-    joint_rate: np.ndarray  # (T, joint coordinates)
-
-
-@dataclass(frozen=True)
-class ElementRows(JointAnswers, DynamicRows):
-    """Rows of a YOUNG deck with joint coordinates and elements."""
+class ElementRows(ElementAnswers, DynamicRows):
+    """Rows of a YOUNG deck with elements."""
 
     composite_force: np.ndarray  # (T, composite joints, 3) on body J, global axes, N
     composite_torque: np.ndarray  # (T, composite joints, 3) on body J about P_j, global axes, N m
@@ -68,12 +59,11 @@ def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> 
     rows = dynamic_rows(model, report._replace(wrenches=_in_order_of_deck(model, arrays, report)))
     own = report.multipliers[:, report.multipliers.shape[1] - len(model.elements.drivers) :]
     first = len(model.forces) + len(model.torques)
-    count = len(coordinates_of_joints(model.mechanism.joints))
     return joined(
         ElementRows,
         rows,
         driver_effort=np.concatenate([rows.driver_effort, own], axis=1),
-        **element_answers(report, first, model.elements, count),
+        **element_answers(report, first, model.elements),
         coupling_effort=coupling_efforts(report, arrays, model.elements),
         **_composite_forces(model, arrays, report),
     )
@@ -106,19 +96,14 @@ def _composite_forces(model: DynamicModel, arrays: DynamicArrays, report: Report
     return {"composite_force": force, "composite_torque": torque}
 
 
-def element_answers(report: Report, first: int, elements: JointElements, coordinates: int) -> dict[str, Any]:
-    """Fields of `ElementRows` that the loads from `first` on answer, `coordinates` of joints among them."""
+def element_answers(report: Report, first: int, elements: JointElements) -> dict[str, Any]:
+    """Fields of `ElementAnswers` that the loads from `first` on answer."""
     answers = report.responses[:, first:]
     works = report.states[:, report.states.shape[1] - answers.shape[1] :]
-    end = answers.shape[1] - len(elements.of(FRICTION))
-    probes = np.arange(end - coordinates, end)
-    springs = answers.shape[1] - coordinates - len(list(names_of(elements)))
-    found = np.delete(answers, probes, axis=1), np.delete(works, probes, axis=1)
-    return {
-        "joint_coordinate": answers[:, probes, COORDINATE] + 0.0,
-        "joint_rate": answers[:, probes, SPEED] + 0.0,
-        **answers_of(elements, *found, springs),
-    }
+    found: dict[str, Any] = answers_of(
+        elements, answers, works, answers.shape[1] - len(list(names_of(elements)))
+    )
+    return found
 
 
 def answers_of(elements: JointElements, answers: np.ndarray, works: np.ndarray, springs: int = 0) -> Any:
@@ -167,8 +152,8 @@ def _in_order_of_deck(model: DynamicModel, arrays: DynamicArrays, report: Report
 
 
 @dataclass(frozen=True)
-class FlexibleElementRows(JointAnswers, FlexibleRows):
-    """Rows with joint coordinates, springs and elements."""
+class FlexibleElementRows(ElementAnswers, FlexibleRows):
+    """Rows with springs and elements."""
 
 
 def flexible_element_rows(
@@ -177,10 +162,9 @@ def flexible_element_rows(
     """The rows of a report in the terms of the model."""
     rows = flexible_rows(mechanism, arrays, report)
     first = len(mechanism.forces) + len(mechanism.torques)
-    count = len(coordinates_of_joints(mechanism.joints))
     return joined(
         FlexibleElementRows,
         rows,
-        **element_answers(report, first, mechanism.elements, count),
+        **element_answers(report, first, mechanism.elements),
         coupling_effort=coupling_efforts(report, arrays, mechanism.elements),
     )

@@ -36,6 +36,8 @@ class FlexibleRows:
     point_position: np.ndarray  # (T, outputs, 3)
     point_velocity: np.ndarray  # (T, outputs, 3)
     point_acceleration: np.ndarray  # (T, outputs, 3)
+    joint_coordinate: np.ndarray  # (T, joint coordinates) rad or m, 0 at the estimates of the deck
+    joint_rate: np.ndarray  # (T, joint coordinates) its rate
     reaction_force: np.ndarray  # (T, joints, 3)
     reaction_torque: np.ndarray  # (T, joints, 3)
     holding_force: np.ndarray  # (T, pins, 3)
@@ -110,6 +112,8 @@ def flexible_rows(mechanism: FlexibleMechanism, arrays: SystemArrays, report: Re
         point_position=points[0],
         point_velocity=points[1],
         point_acceleration=points[2],
+        joint_coordinate=report.joints[..., 0] + 0.0,  # without negative zeros
+        joint_rate=report.joints[..., 1] + 0.0,
         **_forces(mechanism, arrays, motion, report),
         kinetic=report.audit[:, 0].copy(),
         potential=report.audit[:, 1].copy(),

@@ -52,7 +52,8 @@ def dynamic_rows(model: DynamicModel, report: Report) -> DynamicRows:
     ud[:, grounded] = np.where(np.isnan(ud[:, grounded]), 0.0, ud[:, grounded])
     states = np.stack([q, coordinate_rates(q, u), coordinate_accelerations(q, u, ud)], axis=1)
     audit = np.column_stack([report.audit[:, 3], report.audit[:, 4], np.zeros(times)])
-    motion = rows_of(mechanism, report.times, states.reshape(times, 3, -1), audit)
+    joints = report.joints[..., 0] + 0.0, report.joints[..., 1] + 0.0  # without negative zeros
+    motion = rows_of(mechanism, report.times, states.reshape(times, 3, -1), audit, lambda rows: joints)
     kept = {field.name: getattr(motion, field.name) for field in fields(Rows)}
     return DynamicRows(
         **kept,

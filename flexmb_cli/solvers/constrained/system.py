@@ -38,6 +38,7 @@ def blank_report(arrays: SystemArrays, times: np.ndarray, works: int = 0) -> Rep
         times, np.zeros((rows, 2 * n + arrays.bodies + 1 + works)), np.zeros((rows, n)),
         np.zeros((rows, len(arrays.groups), 2, 6)), np.zeros((rows, len(arrays.equations))), np.zeros(rows),
         np.zeros((rows, 5)), np.zeros((rows, len(arrays.loads), columns_of_answers(arrays.loads))),
+        np.zeros((rows, len(arrays.joint_coordinates), 2)),
     )  # fmt: skip
 
 

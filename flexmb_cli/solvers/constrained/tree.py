@@ -16,16 +16,14 @@ import numpy as np
 
 from ...fe.lumped_body import floating_body, massless_body
 from ...kernels.constrained.report import Report
-from ...kernels.laws import COORDINATE
 from ...kernels.tree.motion import parts
 from ...model.arrays.constraint_table import PrimitiveTable
-from ...model.arrays.element_table import ElementTable, JointCoordinateName
+from ...model.arrays.element_table import ElementTable, JointCoordinateName, report_coordinates
 from ...model.arrays.flexible import flexible_arrays, length_scale
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism, NodePoint
 from ...model.integrators import IMPLICIT_TREE_METHODS, Integrator
 from ...model.joint_elements import JointElements
-from ...model.laws import FRICTION
 from ...model.tree import ELASTIC, ROTATION, Hinge, Tree
 from ...model.tree_as_mechanism.frames import Base, Frames, hinge_frames, refuse_foreign
 from ...model.tree_as_mechanism.hinges import (
@@ -75,8 +73,6 @@ class AbsoluteTree(ConstrainedMotion):
         self.clock["atol"] = tree.integration.atol
         self._speeds = np.concatenate([np.concatenate([body.velocity, body.omega]) for body in bodies])
         self._elastic = [elastic_start(tree, k) for k in range(len(tree.bodies))]
-        behind = len(tree.elements.of(FRICTION))
-        self._probes = len(arrays.loads) - behind - len(turning_coordinates(tree)), len(arrays.loads) - behind
         self._attitude = unturned(len(tree.bodies))
 
     @property
@@ -111,12 +107,11 @@ class AbsoluteTree(ConstrainedMotion):
 
     def block(self, report: Report) -> TreeRows:
         """The rows of a report in the terms of the tree."""
-        angles = report.responses[:, slice(*self._probes), COORDINATE]
-        rows = rows_of_bodies(self.tree, self.frames, self.arrays, report, angles, self._attitude)
+        rows = rows_of_bodies(self.tree, self.frames, self.arrays, report, self._attitude)
         self._attitude = rows.euler_parameters[-1].copy()
         if not self.tree.elements:
             return rows
-        return with_elements(self.tree, self.arrays, rows, report, len(turning_coordinates(self.tree)))
+        return with_elements(self.tree, self.arrays, rows, report)
 
 
 def closed_tree(tree: Tree) -> Tree:
@@ -151,7 +146,8 @@ def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple[Any, ...]) -> Syst
     table = PrimitiveTable(bodies, length_scale(free))
     add_hinges(table, tree, frames)
     add_prescribed(table, tree, frames)
-    elements = ElementTable(table, HingeJoints(table, tree, frames), tree.elements, turning_coordinates(tree))
+    elements = ElementTable(table, HingeJoints(table, tree, frames), tree.elements)
+    report_coordinates(HingeJoints(table.reported(), tree, frames), turning_coordinates(tree))
     elements.add_couplings()
     elements.add_drivers(tree.time.start)
     add_closures(table, tree)
@@ -189,15 +185,12 @@ def moving_base(motion: BodyMotion, base: Base) -> Moving:
 
 
 def rows_of_bodies(
-    tree: Tree, frames: Frames, arrays: SystemArrays, report: Report, angles: np.ndarray, last: np.ndarray
+    tree: Tree, frames: Frames, arrays: SystemArrays, report: Report, last: np.ndarray
 ) -> TreeRows:
-    """Return the rows of a report in the terms of the tree; `last` as in `rows_of_tree`.
-
-    `angles` (T, n): those of hinges with one or two rotations, with their turns.
-    """
+    """Return the rows of a report in the terms of the tree; `last` as in `rows_of_tree`."""
     modes = [body.elastic.coordinates if body.elastic else 0 for body in tree.bodies]
     motion = body_motion([*modes, *(0 for _ in frames.node_frames)], arrays, report)
-    q, y, y_rate = _coordinates(tree, frames, motion, angles)
+    q, y, y_rate = _coordinates(tree, frames, motion, report.joints[:, :, 0])
     N = len(tree.bodies)
     bodies = [moving_body(motion, k) for k in range(N)]
     position, velocity, acceleration, axes, w, alpha = (
@@ -231,7 +224,7 @@ def _closure_forces(tree: Tree, arrays: SystemArrays, report: Report) -> Any:
 
 
 def _coordinates(tree: Tree, frames: Frames, motion: BodyMotion, angles: np.ndarray) -> Any:
-    """Coordinates, speeds and their rates (T, NS)."""
+    """Coordinates, speeds and their rates (T, NS); angles (T, n) of hinges with one or two rotations."""
     columns, elastic, counted = [], 0, iter(angles.T)
     for c in tree.coordinates:
         if c.motion == ELASTIC:

@@ -20,19 +20,13 @@ class TreeElementRows(ElementAnswers, TreeRows):
     driver_effort: np.ndarray  # (T, drivers) along the prescribed coordinates
 
 
-def with_elements(
-    tree: Tree, arrays: SystemArrays, rows: TreeRows, report: Report, angles: int
-) -> TreeElementRows:
-    """The rows with the elements, whose loads, among them so many for angles of hinges, stand behind those of
-    the tree.
-    """
-    behind = len(list(names_of(tree.elements))) + angles
-    first = report.responses.shape[1] - behind
-    found = element_answers(report, first, tree.elements, angles)
+def with_elements(tree: Tree, arrays: SystemArrays, rows: TreeRows, report: Report) -> TreeElementRows:
+    """The rows with the elements, whose loads stand behind those of the tree."""
+    first = report.responses.shape[1] - len(list(names_of(tree.elements)))
     return joined(
         TreeElementRows,
         rows,
-        **{name: value for name, value in found.items() if not name.startswith("joint")},
+        **element_answers(report, first, tree.elements),
         driver_effort=report.multipliers[:, rows_of_drivers(tree, arrays)].copy(),
         coupling_effort=coupling_efforts(report, arrays, tree.elements, len(tree.closures)),
     )

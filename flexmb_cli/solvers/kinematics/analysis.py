@@ -30,6 +30,7 @@ from .assembly import (
     too_large_to_rank,
 )
 from .driver_axes import keeps_axis, refuse_contradicted_drive, refuse_off_axis_drive
+from .joint_motion import JointMotion, WholeTurns
 from .position import Evaluator, KinematicSettings, kinematic_system, with_dependent_columns
 from .rows import Rows, first_rows, joined_rows, rows_of
 
@@ -56,6 +57,8 @@ class KinematicAnalysis:
         self._sparse: SparseWork | None = None
         self._left_out: tuple[tuple[int, ...], tuple[int, ...]] = (), ()
         self.row = 0  # of the next block
+        self.joints = JointMotion(mechanism)
+        self.turns = WholeTurns(self.joints.turning)
         self._restart(self.arrays.q)
 
     def _restart(self, q: np.ndarray) -> None:
@@ -78,6 +81,9 @@ class KinematicAnalysis:
         Raises ModelError when something can move that nothing determines, AnalysisError when a
         position cannot be reached; all rows before have been yielded.
         """
+        return self.joints.continued(self._blocks(), self.turns)
+
+    def _blocks(self) -> Iterator[Rows]:
         if self.row == 0:
             first, self.row = self._first_row(), 1
             yield first
@@ -113,6 +119,7 @@ class KinematicAnalysis:
             "clock": self.clock,
             "reported": np.array(self.singularities.notes.count),
             "warnings": reported(self.warnings),
+            **self.turns.checkpoint,
         }
 
     def restore(self, checkpoint: Mapping[str, np.ndarray]) -> Rows:
@@ -128,6 +135,7 @@ class KinematicAnalysis:
         )
         self.singularities.notes.count = int(taken(checkpoint, "reported", (), np.int64))
         self.warnings[:] = faults_reported(checkpoint)
+        self.turns.restore(checkpoint)
         return first
 
     def _next_block(self, row: int) -> tuple[Rows | None, AnalysisError | None]:
@@ -224,7 +232,7 @@ class KinematicAnalysis:
         reached = self._follow(times, out, audit)
         if not reached:
             return None
-        return rows_of(self.mechanism, times[:reached], out[:reached], audit[:reached])
+        return rows_of(self.mechanism, times[:reached], out[:reached], audit[:reached], self.joints.of)
 
     @property
     def search(self) -> Sized:

@@ -1,5 +1,6 @@
 """Report rows: what an analysis of a mechanism delivers, block by block, to the writers."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -28,6 +29,8 @@ class Rows:
     point_position: np.ndarray  # (T, m, 3)
     point_velocity: np.ndarray  # (T, m, 3)
     point_acceleration: np.ndarray  # (T, m, 3)
+    joint_coordinate: np.ndarray  # (T, joint coordinates) rad or m, 0 at the estimates of the deck
+    joint_rate: np.ndarray  # (T, joint coordinates) its rate
     constraint_residual: np.ndarray  # (T,) largest |Phi|
     velocity_residual: np.ndarray  # (T,) largest |dPhi/dt|
     newton_iterations: np.ndarray  # (T,) int64
@@ -38,11 +41,13 @@ def rows_of(
     times: np.ndarray,
     states: np.ndarray,
     audit: np.ndarray,
+    joints: Callable[[Rows], tuple[np.ndarray, np.ndarray]],
     s: np.ndarray | None = None,
 ) -> Rows:
     """Report rows from states (T, 3, 7 n): positions, velocities and accelerations of all coordinates.
 
-    s (T, points, 3): points of interest, body axes, m, where they are others in each row.
+    joints: returns joint coordinates and their rates; s (T, points, 3): points of interest, body axes, m,
+    where they are others in each row.
     """
     q, qd, qdd = (states[:, k].reshape(len(times), -1, 7) for k in range(3))
     if s is None:
@@ -50,6 +55,7 @@ def rows_of(
     bodies = np.array([point.body for point in mechanism.points], dtype=np.int64)
     return _RowsOfMotion(
         (bodies, s, q, qd, qdd),
+        joints,
         time=np.asarray(times),
         position=q[:, :, :3],
         euler_parameters=q[:, :, 3:],
@@ -64,6 +70,7 @@ def rows_of(
 
 
 _POINT_FIELDS = "point_position", "point_velocity", "point_acceleration"
+_JOINT_FIELDS = "joint_coordinate", "joint_rate"
 _RATES = {
     "angular_velocity": "euler_parameter_rates",
     "angular_acceleration": "euler_parameter_accelerations",
@@ -71,16 +78,23 @@ _RATES = {
 
 
 class _RowsOfMotion(Rows):
-    """Rows that calculate angular and point motion when it is requested first: a sweep needs little of it."""
+    """Rows that calculate motion other than that of origins when requested first: a sweep needs little."""
 
-    def __init__(self, motion_of_points: tuple[np.ndarray, ...], **fields: Any):
-        self.__dict__.update(fields, _motion=motion_of_points)
+    def __init__(
+        self,
+        motion_of_points: tuple[np.ndarray, ...],
+        joints: Callable[[Rows], tuple[np.ndarray, np.ndarray]],
+        **fields: Any,
+    ):
+        self.__dict__.update(fields, _motion=motion_of_points, _joints=joints)
 
     def __getattr__(self, name: str) -> Any:
         if name in _RATES:
             self.__dict__[name] = twice_g(self.euler_parameters, getattr(self, _RATES[name]))
         elif name in _POINT_FIELDS:
             self.__dict__.update(zip(_POINT_FIELDS, point_motion(*self._motion), strict=True))
+        elif name in _JOINT_FIELDS:
+            self.__dict__.update(zip(_JOINT_FIELDS, self._joints(self), strict=True))
         else:
             raise AttributeError(name)
         return self.__dict__[name]

@@ -56,7 +56,8 @@ class Variants:
         start = arrays.q, arrays.screw_angles, float(self._attempts)
         follow_variants(self._system, self._driven, functions, *start, times, out, audit, plain)
         states, s = out.reshape(-1, 3, arrays.q.size), np.repeat(points, times.size, axis=0)
-        rows = rows_of(self.mechanism, np.tile(times, cases), states, audit.reshape(-1, 3), s)
+        joints = self.analysis.joints.with_turns
+        rows = rows_of(self.mechanism, np.tile(times, cases), states, audit.reshape(-1, 3), joints, s)
         plain &= self._is_allowed(functions, points) & self._is_near(out[:, 0, 0])
         plain &= (audit[:, 1:, 2] <= FEW).all(axis=1)  # else singular positions are looked for
         return rows, plain & on_axes(self.mechanism, rows).reshape(cases, -1).all(axis=1)

@@ -169,7 +169,7 @@ def row_across(
     analysis.singularities.report(Passed(row[0], t, expected, True))
     audit = np.array([[gap, _rate_gap(analysis, row, t), analysis.clock[SPENT]]])
     analysis.clock[SPENT], analysis.clock[NEXT_LENGTH] = 0.0, np.inf
-    return rows_of(analysis.mechanism, np.array([t]), row[None], audit)
+    return rows_of(analysis.mechanism, np.array([t]), row[None], audit, analysis.joints.of)
 
 
 def _times(analysis: "KinematicAnalysis", t: float, earlier: float) -> tuple[float, float]:

@@ -114,7 +114,7 @@ COMMANDS = {
 
 
 # Words of quantities that results did not have yet when those of the folder `earlier` were written.
-ADDED = ("rate", "cell", "hinge")
+ADDED = ("rate", "cell", "hinge", "coordinate")
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -280,7 +280,7 @@ def test_a_result_without_elements_names_the_card_that_brings_in_those_of_spring
     ("deck", "name", "need"),
     [
         ("dafms/arm_nrot.DAT", "reaction.1.force", "a tree has reactions of closed loops only"),
-        ("vsdf/slider_crank_flex.vsdf", "coordinate.1", "need an element in a block ELEMENTS"),
+        ("vsdf/slider_crank_flex.vsdf", "coordinate.1", "need a joint that turns about one axis"),
     ],
 )
 def test_what_trees_and_vsdf_results_lack_is_said_of_their_own_cards(deck, name, need):
