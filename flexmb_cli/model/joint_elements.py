@@ -89,13 +89,14 @@ class CompositeJoint:
 
 
 @dataclass(frozen=True)
-class JointRate:
-    """Rate of a joint coordinate at the start, rad/s or m/s."""
+class JointStart:
+    """A joint coordinate at the start, rad or m, and its rate, rad/s or m/s; None where it is not given."""
 
     name: str
     joint: int
     coordinate: str
-    rate: float
+    value: float | None = None
+    rate: float | None = None
     place: Place | None = None
 
 
@@ -109,7 +110,7 @@ class JointElements:
     forces: tuple[Element, ...] = ()  # motors after all others
     couplings: tuple[Coupling, ...] = ()
     composites: tuple[CompositeJoint, ...] = ()
-    rates: tuple[JointRate, ...] = ()
+    starts: tuple[JointStart, ...] = ()
 
     def __bool__(self) -> bool:
         return any(getattr(self, field.name) for field in fields(self))
@@ -117,6 +118,11 @@ class JointElements:
     def of(self, *laws: Law) -> tuple[Element, ...]:
         """Return the force elements of some laws."""
         return tuple(item for item in self.forces if item.law in laws)
+
+    @property
+    def first_values(self) -> dict[tuple[int, str], float]:
+        """Return the values at the start that are given, by joint and coordinate."""
+        return {(item.joint, item.coordinate): item.value for item in self.starts if item.value is not None}
 
     def groups(self) -> list[tuple[Any, ...]]:
         """Return the tuples of all types."""

@@ -191,6 +191,7 @@ class Tree:
     gravity: Vector = (0.0, 9.8, 0.0)
     torques: tuple[BodyTorque, ...] = ()
     prescribed: tuple[Prescribed, ...] = ()
+    started: tuple[int, ...] = ()  # coordinates that loops are closed with as they are
     closures: tuple[Closure, ...] = ()
     one_way: bool = False
     integration: Integration = field(default_factory=Integration)

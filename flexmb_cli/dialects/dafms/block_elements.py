@@ -10,7 +10,7 @@ import numpy as np
 from ...deck.record import Number
 from ...model.diagnostics import Findings
 from ...model.flexible_mechanism import NodePoint
-from ...model.joint_elements import Coupling, JointElements
+from ...model.joint_elements import Coupling, JointDriver, JointElements, JointStart
 from ...model.time_functions import MotionFunction
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Hinge, Tree
 from ...model.tree_as_mechanism.frames import shape_of
@@ -32,7 +32,7 @@ def with_elements(tree: Tree, lines: Sequence[Any], folder: Path, findings: Find
     functions.note_unused()
     _refuse_prescribed(tree, elements, findings)
     forces = (*tree.elements.forces, *elements.forces)
-    tree = replace(tree, elements=replace(elements, forces=forces, rates=()), **_start(tree, elements))
+    tree = replace(tree, elements=replace(elements, forces=forces, starts=()), **_start(tree, elements))
     for item in elements.couplings:
         if not item.function:
             _check_speeds(tree, item, findings)
@@ -40,14 +40,20 @@ def with_elements(tree: Tree, lines: Sequence[Any], folder: Path, findings: Find
 
 
 def _refuse_prescribed(tree: Tree, elements: JointElements, findings: Findings) -> None:
-    """Refuse drivers by functions of coordinates that the card PRES drives."""
+    """Refuse drivers and starts of coordinates that the card PRES drives, and starts of followers of cams."""
     driven = {(each.body, f"{each.motion} {each.axis}") for each in tree.prescribed}
-    for item in elements.drivers:
+    items: tuple[JointDriver | JointStart, ...] = (*elements.drivers, *elements.starts)
+    for item in items:
         if (item.joint, item.coordinate) in driven:
             message = (
                 f"PRES already drives {item.coordinate} of the hinge of body {item.joint + 1}; remove one"
             )
             findings.error(item.name, message, item.place, id="DAFMS-152")
+    followers = {item.terms[0][:2]: item.name for item in elements.couplings if item.function}
+    for start in elements.starts:
+        if name := followers.get((start.joint, start.coordinate)):
+            message = f"it follows the cam {name}, which says how it begins; give the start of the cam"
+            findings.error(start.name, message, start.place, id="DAFMS-210")
 
 
 class _Measures(Measures):
@@ -129,15 +135,18 @@ def _free(hinge: Hinge, count: str) -> str:
 def _start(tree: Tree, elements: JointElements) -> Any:
     """Coordinates and speeds: driven ones begin as their functions do, others with the rates of START."""
     q, y = np.array(tree.q, float), np.array(tree.y, float)
-    for rate in elements.rates:
-        y[_number(tree, rate.joint, rate.coordinate)] = rate.rate
+    for start in elements.starts:
+        m = _number(tree, start.joint, start.coordinate)
+        q[m] = q[m] if start.value is None else start.value
+        y[m] = y[m] if start.rate is None else start.rate
     for item in elements.drivers:
         m = _number(tree, item.joint, item.coordinate)
         q[m], y[m] = item.function.at(tree.time.start)[:2]
     for follower, cam, function in _cams(tree, elements):
         q[follower], slope, _ = function.at(q[cam])
         y[follower] = slope * y[cam]
-    return {"q": q, "y": y}
+    given = (_number(tree, *at) for at in elements.first_values)
+    return {"q": q, "y": y, "started": tuple(given)}
 
 
 def _cams(tree: Tree, elements: JointElements) -> Iterator[tuple[int, int, MotionFunction]]:

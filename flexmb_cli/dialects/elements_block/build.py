@@ -9,7 +9,7 @@ from typing import Any
 
 from ...deck.record import Number
 from ...model.diagnostics import Findings
-from ...model.joint_elements import Coupling, JointDriver, JointElements, JointRate
+from ...model.joint_elements import Coupling, JointDriver, JointElements, JointStart
 from ...model.laws import (
     FRICTION,
     FUNCTIONS,
@@ -29,6 +29,7 @@ from .contacts import touch_of
 from .functions import Functions
 from .line import MASS, OUTPUT, ElementLine
 from .measures import Measures
+from .reader import usage
 from .words import BY_WORD, key_of
 
 _OF_CAMS = ("from", "to", "function", "stiffness", "damping", "lower", "upper")  # keys of COUPLING
@@ -37,7 +38,7 @@ _ONE_OF: dict[str, Callable[..., Any]] = {  # what there may be one of, and by w
     "driven": lambda item: item.item,
     "supports": lambda item: item.item,
     "drivers": lambda item: (item.joint, item.coordinate),
-    "rates": lambda item: (item.joint, item.coordinate),
+    "starts": lambda item: (item.joint, item.coordinate),
 }
 
 
@@ -58,6 +59,7 @@ class BlockBuilder:
             if item is not None:
                 found.setdefault(field, []).append(item)
         self._refuse_twice(found)
+        self._refuse_driven(found.get("starts", ()), found.get("drivers", ()))
         groups: dict[str, Any] = {name: tuple(items) for name, items in found.items()}
         groups["forces"] = motors_last(groups.get("forces", ()))
         return JointElements(**groups)
@@ -70,7 +72,7 @@ class BlockBuilder:
             return "forces", self._force(line)
         if line.word == "COUPLING":
             return self._coupling(line)
-        makers = {"DRIVE": ("drivers", self.driver), "START": ("rates", self._rate)}
+        makers = {"DRIVE": ("drivers", self.driver), "START": ("starts", self._start)}
         if line.word not in makers:
             message = f"decks of this dialect have no {line.word}; remove the line"
             self.findings.error(line.subject, message, line.place, id="ELEMENTS-040")
@@ -89,6 +91,14 @@ class BlockBuilder:
                 if other is not item:
                     message = f"{other.name} already gives this; remove one of them"
                     self.findings.error(item.name, message, item.place, id="ELEMENTS-001")
+
+    def _refuse_driven(self, starts: Iterable[JointStart], drivers: Iterable[JointDriver]) -> None:
+        """Refuse starts of coordinates that drivers move."""
+        driven = {(item.joint, item.coordinate): item.name for item in drivers}
+        for item in starts:
+            if name := driven.get((item.joint, item.coordinate)):
+                message = f"the function of {name} already says how it begins; remove one of them"
+                self.findings.error(item.name, message, item.place, id="ELEMENTS-161")
 
     # Force elements
 
@@ -266,6 +276,11 @@ class BlockBuilder:
         at = self.measures.named(line, number, number.key)
         return at and (*at, float(number.value))
 
-    def _rate(self, line: ElementLine) -> JointRate | None:
+    def _start(self, line: ElementLine) -> JointStart | None:
         at = self.measures.at(line)
-        return JointRate(line.subject, *at, float(line["rate"]), line.place) if at else None
+        value, rate = (float(line[key]) if key in line else None for key in ("value", "rate"))
+        if value is None and rate is None:
+            message = f"value, rate or both must be given: {usage(BY_WORD['START'])}"
+            self.findings.error(line.subject, message, line.place, id="ELEMENTS-160")
+            return None
+        return JointStart(line.subject, *at, value, rate, line.place) if at else None

@@ -221,8 +221,12 @@ WORDS = (
     ),
     BlockWord(
         "START",
-        "rate of a coordinate at the start",
-        (AT._replace(needed=True), Key("rate", "rate at the start", units=("m/s", "rad/s"), needed=True)),
+        "coordinate at the start, its rate, or both",
+        (
+            AT._replace(needed=True),
+            Key("value", "coordinate at the start", units=("m", "rad")),
+            Key("rate", "its rate at the start", units=("m/s", "rad/s")),
+        ),
         unnamed=True,
     ),
 )  # fmt: skip

@@ -66,8 +66,8 @@ class Work(NamedTuple):
     ends: np.ndarray  # (m, 4) places where a row of them begins and ends, see `sparse_rows`
     diagonal: np.ndarray  # (m,) pivots of the elimination, scaled
     scales: np.ndarray  # (m, c) of the entries of the Jacobian: units of speeds over those of equations
-    joint_vectors: np.ndarray  # (3, joint vectors, 3) as `body_vectors`
-    joint_ends: np.ndarray  # (3, joint coordinates, 2, 3) as `relative_vectors`
+    joint_vectors: np.ndarray  # (3, joint vectors, 3) global axes, m, as `body_vectors`
+    joint_ends: np.ndarray  # (3, joint coordinates, 2, 3) V and W, global axes, m, as `relative_vectors`
 
 
 PHI, GAMMA, SCALED = 0, 1, 2

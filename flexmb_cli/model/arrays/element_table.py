@@ -4,7 +4,7 @@ What a dialect calls a joint, numbered from 0, and which coordinates it has, is 
 `PointJoints`, or the hinges of a tree.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -37,8 +37,14 @@ class JointCoordinateName:
 class PointJoints:
     """Joints between points of bodies."""
 
-    def __init__(self, table: PrimitiveTable, joints: Sequence[PointJoint]):
-        self.table, self.joints = table, joints
+    def __init__(
+        self,
+        table: PrimitiveTable,
+        joints: Sequence[PointJoint],
+        first: Mapping[tuple[int, str], float] | None = None,
+    ):
+        """`first`: the coordinates that do not begin with 0, by joint and name, rad or m."""
+        self.table, self.joints, self.first = table, joints, first or {}
         self._turning: dict[int, tuple[int, int, int]] = {}
 
     def _vectors(self, joint: int) -> JointVectors:
@@ -54,8 +60,8 @@ class PointJoints:
         return self.table.angle(*self._turning[joint], expected)
 
     def start(self, joint: int, coordinate: str) -> float:
-        """A coordinate at the start: all begin with 0."""
-        return 0.0
+        """A coordinate at the start."""
+        return self.first.get((joint, coordinate), 0.0)
 
     def bodies(self, joint: int) -> tuple[int, int]:
         """Its bodies."""

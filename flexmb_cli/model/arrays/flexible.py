@@ -90,10 +90,12 @@ def _flexible(bodies: Any) -> tuple[np.ndarray, np.ndarray]:
 
 def _elements(table: PrimitiveTable, mechanism: FlexibleMechanism) -> Any:
     """The elements, whose equations stand behind all others."""
-    found = ElementTable(table, PointJoints(table, mechanism.joints), mechanism.elements)
+    first = mechanism.elements.first_values
+    found = ElementTable(table, PointJoints(table, mechanism.joints, first), mechanism.elements)
     joints = PointJoints(table.reported(), mechanism.joints)
     report_coordinates(joints, coordinates_of_joints(mechanism.joints))
     found.add_couplings()
+    found.add_drivers(mechanism.time.start)
     return found
 
 

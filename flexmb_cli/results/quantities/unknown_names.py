@@ -41,7 +41,10 @@ def _likeness(word: str, choice: str) -> float:
 
 
 FORCES = "in a YOUNG deck DYNAMICS inverse or DYNAMICS forward"
-TREE, FLEXIBLE = "coordinate/u", "energy/strain"  # what results of trees have, and those of VSDF decks, too
+TREE, FLEXIBLE = (
+    "coordinate/u_rate",
+    "energy/strain",
+)  # what results of trees have, and those of VSDF decks, too
 # What a deck needs for the quantities that begin with a word.
 NEEDS = {
     "coordinate": "joint coordinates need a joint that turns about one axis, or slides along one",

@@ -66,7 +66,8 @@ def _refuse_elements(model: Any) -> None:
     """Natural coordinates know the joints and loads of the dissertation, and no functions."""
     factors = [item.name for item in (*model.forces, *model.torques) if item.factor is not None]
     ends = [item.name for item in model.springs if -1 in item.measure[:2]]
-    if model.elements or factors or ends:
+    # What lines START say is in the first row.
+    if replace(model.elements, starts=()) or factors or ends:
         what = next(iter((*factors, *ends)), "a block ELEMENTS")
         message = (
             "natural coordinates hold no block ELEMENTS, no loads by functions and no springs on the ground; "

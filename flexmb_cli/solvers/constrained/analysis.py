@@ -35,6 +35,7 @@ from .start import order_of_elimination, start_speeds
 from .system import PositionGaps, blank_report, constrained_system, new_work, starts_sparse
 
 if TYPE_CHECKING:
+    from ...model.joint_elements import JointDriver
     from ..linearisation.terms import Terms
 
 
@@ -67,6 +68,7 @@ class ConstrainedMotion(ABC):
         elements: JointElements = NO_ELEMENTS,
     ):
         self.arrays, self.elements = arrays, elements
+        self.first_angles = arrays.angles  # near which those of the first position are, rad
         self.works = len(arrays.loads) if elements else 0  # loads whose works are kept
         self.grid = grid
         self.integrator = Steps(integrator)
@@ -302,9 +304,9 @@ class ConstrainedMotion(ABC):
         )
 
     def screw_angles(self, q: np.ndarray) -> np.ndarray:
-        """Angles that count turns at q, those nearest to the deck's estimates."""
-        angles = self.arrays.angles.copy()
-        fill_angles(self.system, self.work, q, self.arrays.angles, angles)
+        """Angles that count turns at q, those nearest to the deck's."""
+        angles = self.first_angles.copy()
+        fill_angles(self.system, self.work, q, self.first_angles, angles)
         return angles
 
 
@@ -313,7 +315,20 @@ def _first(report: Report, filled: int) -> dict[str, np.ndarray]:
 
 
 class LinearisableMotion(ConstrainedMotion):
-    """A motion with what its linearisation needs besides."""
+    """A motion with what lines START and its linearisation need besides."""
+
+    @abstractmethod
+    def driven_arrays(self, drivers: "tuple[JointDriver, ...]") -> SystemArrays:
+        """Return the arrays with further drivers of joint coordinates, whose equations are the last."""
+
+    def led(self, q: np.ndarray, t: float, tolerance: float) -> np.ndarray:
+        """Return coordinates (n + b,) with the joint coordinates of lines START; raises AnalysisError."""
+        if not self.elements.first_values:
+            return q
+        from .start_values import led_to_values
+
+        q, self.first_angles = led_to_values(self, q, t, tolerance)
+        return q
 
     @property
     @abstractmethod

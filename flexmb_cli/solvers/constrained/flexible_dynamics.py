@@ -1,6 +1,7 @@
 """Forward dynamics of a mechanism of rigid and flexible bodies (VSDF decks)."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,9 @@ import numpy as np
 from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
 from ...model.arrays.flexible import flexible_arrays
+from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism, PointJoint
+from ...model.joint_elements import JointDriver
 from ...model.loads import InitialVelocity
 from ...model.mechanism import Joint
 from ...model.planar_loops import OUT_OF_PLANE, repeated_in_plane
@@ -41,7 +44,12 @@ class FlexibleDynamics(LinearisableMotion):
         refuse_half_turns(q, attitudes, t)
         self.warnings += turn_warnings(self.arrays.q, attitudes)
         self.warnings += gap_warnings(self.mechanism, gaps, q, t)
-        return q
+        return self.led(q, t, self.mechanism.loop_tolerance)
+
+    def driven_arrays(self, drivers: tuple[JointDriver, ...]) -> SystemArrays:
+        """Return the arrays with drivers of joint coordinates, whose equations are the last."""
+        elements = replace(self.mechanism.elements, drivers=drivers)
+        return flexible_arrays(replace(self.mechanism, elements=elements))
 
     def given_speeds(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the given speeds and their values: those of the deck, and no rate of deformation."""
@@ -69,11 +77,11 @@ class FlexibleDynamics(LinearisableMotion):
 
     def given_rates(self, q: np.ndarray) -> Any:
         """Rows, right-hand sides and names of the joint rates that the deck gives."""
-        rates = self.mechanism.elements.rates
-        if not rates:
+        starts = self.mechanism.elements.starts
+        if not starts:
             return super().given_rates(q)
         joints = [_body_joint(joint) for joint in self.mechanism.joints]
-        return rate_equations(joints, rates, q, self.arrays.speeds)
+        return rate_equations(joints, starts, q, self.arrays.speeds)
 
     def usual_repetitions(self, q: np.ndarray) -> int | None:
         """Those of a planar mechanism, None of any other."""

@@ -18,7 +18,7 @@ from ...kernels.constrained.system import GAMMA, NO_INERTIA
 from ...model.arrays.system import SystemArrays
 from ...model.by_size import by_size
 from ...model.equations import DEPENDENT, Equation
-from ...model.joint_elements import JointRate
+from ...model.joint_elements import JointStart
 from ...model.joints import ANGLE
 from ...model.loads import InitialVelocity
 from ...model.mechanism import Joint
@@ -82,12 +82,13 @@ def inertia_failure(analysis: "ConstrainedMotion", t: float) -> AnalysisError:
 
 
 def rate_equations(
-    joints: Sequence[Joint], rates: tuple[JointRate, ...], q: np.ndarray, speeds: int
+    joints: Sequence[Joint], starts: tuple[JointStart, ...], q: np.ndarray, speeds: int
 ) -> tuple[np.ndarray, np.ndarray, tuple[Equation, ...]]:
     """Rows (r, n) on speeds, right-hand sides (r,) and names of the joint rates that a deck gives at q.
 
     For axes in line: the rate of the angle is s · (ω_j - ω_i), that of the stroke s · (v_Pj - v_Pi).
     """
+    rates = [item for item in starts if item.rate is not None]
     rows = np.zeros((len(rates), speeds))
     for row, item in zip(rows, rates, strict=True):
         joint = joints[item.joint]

@@ -6,6 +6,7 @@ The equations leave no speed free: every row is found by projection, and the ste
 next.
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
 from ...model.arrays.dynamic import DynamicArrays, dynamic_arrays, step_length_scale
 from ...model.arrays.young_elements import rigid_point, without_driven
+from ...model.joint_elements import JointDriver
 from ...model.joints import DRIVER
 from ...model.loads import DynamicModel
 from ...model.planar_loops import repeated_in_plane
@@ -47,7 +49,13 @@ class ForwardDynamics(LinearisableMotion):
         """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError."""
         gaps, q = self.first_position(t, self.mechanism.loop_tolerance, self.arrays.q, estimates=True)
         self.warnings += estimate_warnings(self.model, gaps, q, t)
-        return q
+        return self.led(q, t, self.mechanism.loop_tolerance)
+
+    def driven_arrays(self, drivers: tuple[JointDriver, ...]) -> DynamicArrays:
+        """Return the arrays with further drivers, whose equations are the last."""
+        elements = self.model.elements
+        elements = replace(elements, drivers=(*elements.drivers, *drivers))
+        return dynamic_arrays(replace(self.model, elements=elements))
 
     def usual_repetitions(self, q: np.ndarray) -> int | None:
         """Those of a planar mechanism, None of any other."""
@@ -59,7 +67,7 @@ class ForwardDynamics(LinearisableMotion):
 
     def given_rates(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[Any, ...]]:
         """Rows, right-hand sides and names of the joint rates that the deck gives."""
-        return rate_equations(self.mechanism.joints, self.model.elements.rates, q, self.arrays.speeds)
+        return rate_equations(self.mechanism.joints, self.model.elements.starts, q, self.arrays.speeds)
 
     def given_speeds(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return which of the speeds the deck gives, and their values."""

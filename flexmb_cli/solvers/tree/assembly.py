@@ -26,8 +26,8 @@ def assemble_tree(analysis: "TreeAnalysis") -> None:
     """Bring the state of a TreeAnalysis onto the closures of its tree, and attach its elements.
 
     The first rotation and the elastic coordinates are kept; when the loops cannot be closed so, only
-    the prescribed coordinates are.  Raises ModelError for closures in a one-way model, AnalysisError
-    when a gap remains.
+    the prescribed coordinates are, and those of lines START.  Raises ModelError for closures in a one-way
+    model, AnalysisError when a gap remains.
     """
     if analysis.tree.closures:
         arrays = analysis.arrays
@@ -50,7 +50,7 @@ def _close_loops(analysis: "TreeAnalysis") -> None:
         raise ModelError([_one_way_fault(tree)])
     start = analysis.state.copy()
     own = slice(len(tree.coordinates), 2 * len(tree.coordinates))
-    for kept in (_kept(tree, arrays), arrays.given):
+    for kept in (_kept(tree, arrays), _given(tree, arrays)):
         analysis.state[:] = start
         gap = _close(analysis, kept)
         if not gap <= ASSEMBLED_GAP or np.max(np.abs(analysis.state - start)[own]) > NEAR:
@@ -73,7 +73,7 @@ def _close_nearly(analysis: "TreeAnalysis", failure: AnalysisError) -> Fault:
     size = loop_size(tree)
     start, allowed = analysis.state.copy(), tree.loop_tolerance * size
     for tolerance in (tree.loop_tolerance, LOOSEST):
-        for kept in (_kept(tree, arrays), arrays.given):
+        for kept in (_kept(tree, arrays), _given(tree, arrays)):
             analysis.state[:] = start
             gap = tolerance * size
             for _ in range(LIMIT_PASSES):
@@ -119,8 +119,15 @@ def _close(analysis: "TreeAnalysis", kept: np.ndarray) -> float:
     return float(gap)
 
 
+def _given(tree: Tree, arrays: TreeArrays) -> np.ndarray:
+    """Coordinates (NS,) that are prescribed, or given at the start by lines START."""
+    given: np.ndarray = arrays.given.copy()
+    given[list(tree.started)] = True
+    return given
+
+
 def _kept(tree: Tree, arrays: TreeArrays) -> np.ndarray:
-    kept = arrays.given | arrays.elastic
+    kept = _given(tree, arrays) | arrays.elastic
     first = next((m for m, c in enumerate(tree.coordinates) if c.motion == ROTATION), None)
     if first is not None:
         kept[first] = True

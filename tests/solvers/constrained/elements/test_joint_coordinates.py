@@ -73,7 +73,7 @@ def test_a_vsdf_rotor_has_its_angle_without_elements(method):
     assert angle[:, 0] == pytest.approx(3 * t**2, rel=near) and rate[:, 0] == pytest.approx(6 * t, rel=near)
 
 
-DECKS = Path(__file__).resolve().parents[3] / "decks/young"
+DECKS = Path(__file__).resolve().parents[4] / "decks/young"
 
 
 def four_bar(path, rows):
