@@ -16,7 +16,9 @@ from .system import PositionGaps, constrained_system, new_work, starts_sparse
 if TYPE_CHECKING:
     from .analysis import LinearisableMotion
 
-WAY = 0.25  # rad, or lengths of the mechanism: a position is then near the one before, and angles know turns
+LONGEST_LEAD = (
+    0.25  # rad, or lengths of the mechanism: a position is then near the one before, and angles know turns
+)
 AT_REST = MotionFunction(POLYNOMIAL, (0.0, 0.0, 0.0, 0.0))
 
 
@@ -40,7 +42,7 @@ def led_to_values(
     sizes, constants = arrays.row_scale[rows], arrays.primitives["constant"][rows - len(arrays.bodies_of)]
     begin = gaps.residual(q, t, arrays.angles)[rows] * sizes
     way = np.array([item.value for item in starts]) - begin
-    parts = max(1, math.ceil(np.max(np.abs(way) / sizes) / WAY))
+    parts = max(1, math.ceil(np.max(np.abs(way) / sizes) / LONGEST_LEAD))
     for part in range(1, parts + 1):
         values = begin + way * (part / parts)
         arrays.primitives["constant"][rows - len(arrays.bodies_of)] = constants + values
