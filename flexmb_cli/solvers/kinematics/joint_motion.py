@@ -16,7 +16,7 @@ from ...model.vectors import rotation_matrix
 from ..checkpoint import taken
 from .rows import Rows, rotated
 
-OFF_AXIS = 1e-9  # of a length: what decks and assembly round off
+MISSED_AXIS = 1e-9  # of a length: what decks and assembly round off
 
 
 class JointMotion:
@@ -81,7 +81,7 @@ def _vectors(mechanism: Mechanism, joint: Joint) -> Any:
     f /= np.linalg.norm(f)
     h, own = A_j.T @ A_i @ f, np.asarray(joint.s_j, float)
     own = own / (np.linalg.norm(own) or 1.0)
-    if OFF_AXIS < abs(h @ own) < 1.0 - OFF_AXIS:
+    if MISSED_AXIS < abs(h @ own) < 1.0 - MISSED_AXIS:
         h = h - (h @ own) * own
     gap = np.add(J.r, A_j @ P_j) - np.add(I.r, A_i @ P_i)
     return f, np.cross(s, f), s, P_i, h, P_j, gap @ (A_i @ s)
