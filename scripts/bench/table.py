@@ -4,7 +4,7 @@
 
 Processor time in one run, the programs in turn, medians of rounds; wall time only where it says so.  Peers:
 Exudyn (in the plane), MuJoCo, SciPy, plain compiled code of the same equations, bare imports.  The steps of
-Exudyn and MuJoCo are those whose error is 1e-6 or a little less.
+Exudyn and MuJoCo are such that their errors are about 1e-6.
 """
 
 import argparse
