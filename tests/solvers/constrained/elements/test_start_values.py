@@ -8,9 +8,11 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
+from flexmb_cli import solve
 from flexmb_cli.dialects.vsdf.build import build_vsdf
 from flexmb_cli.errors import AnalysisError
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
+from flexmb_cli.run.convert import converted
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from tests.dialects.dafms.dafms_decks import build, deck_text, faults
@@ -18,7 +20,7 @@ from tests.dialects.dafms.test_dafms_elements import TWO_LINKS as OF_DAFMS
 from tests.dialects.dafms.test_dafms_elements import deck
 from tests.dialects.vsdf.test_elements import TWO_LINKS as OF_VSDF
 from tests.dialects.vsdf.vsdf_decks import read
-from tests.solvers.constrained.element_decks import ARM, ROTOR, TWO_ROTORS, rows_of
+from tests.solvers.constrained.element_decks import ARM, ROTOR, SLIDER, TWO_ROTORS, rows_of
 
 MASSES = (
     "MASS 2 1.5 0.4 0 0 0.1 0.2 0.2\nMASS 3 0.8 0.3 0 0 0.05 0.1 0.1\nGRAVITY 0 -9.81 0\nTOLERANCE 1e-12\n"
@@ -150,3 +152,16 @@ def test_what_says_the_same_twice_or_nothing_is_refused():
     cam = "ELEMENTS\n  FUNCTION f polynomial 0 2\n  COUPLING c from=1.r3 to=2.r3 function=f\n"
     cam += "  START at=2.r3 value=1\n"
     assert "DAFMS-210" in {fault.id for fault in faults(deck(cam, OF_DAFMS))}
+
+
+def test_a_converted_deck_begins_there_with_springs_that_know_it(tmp_path):
+    """In mm, the stroke counts from the start: the spring at rest at 100 mm is so at 100 - 300."""
+    cards = "ELEMENTS\n START at=1.stroke value=0.3 rate=2\n SPRING s at=1.stroke stiffness=40 rest=0.1\n"
+    deck = tmp_path / "IN.dat"
+    deck.write_text(f"{SLIDER}0 1 0.25\nDYNAMICS forward\nMASS 2 1 0 0 0 1 1 1\n{cards}END\n")
+    text = converted(str(deck), "young", to_unit="mm")
+    (tmp_path / "INMM.dat").write_text(text)
+    one, other = solve(deck), solve(tmp_path / "INMM.dat")
+    assert one["coordinate.1"][0] == pytest.approx(0.3, abs=1e-14)
+    assert other["coordinate.1"] == pytest.approx(1e3 * one["coordinate.1"] - 300, abs=1e-4)
+    assert other["element.s.effort"] == pytest.approx(one["element.s.effort"], abs=1e-6)
