@@ -19,7 +19,7 @@ from ..model.flexible_mechanism import (
     PointJoint,
     PointPin,
 )
-from ..model.laws import Element, Frames, Line, Touch
+from ..model.laws import Element, Frames, Line, Push, Touch
 from ..model.mechanism import GROUND
 from ..model.vectors import euler_parameters
 from .flexible_bodies import flexible_body
@@ -163,7 +163,7 @@ class _Points:
 
     def _attached(self, item: Element) -> Element:
         ends = item.measure
-        if not isinstance(ends, Line | Frames | Touch):
+        if not isinstance(ends, Line | Frames | Push | Touch):
             return item
         return replace(item, measure=ends._replace(P_i=self.point(ends.P_i), P_j=self.point(ends.P_j)))
 

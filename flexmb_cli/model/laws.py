@@ -9,6 +9,7 @@ An `Element` is a measure with a law: x, the rate of x and an effort that drives
 | `Line(i, j, P_i, P_j)` | the distance of two points, m |
 | `Frames(i, j, P_i, P_j)` | six: displacements of P_j and turns of its frame, in the axes of body i |
 | `Joint(joint)` | none: friction of a joint |
+| `Push(-1, j, P_i, P_j, direction, …)` | none: a direction at a point, in which a force or torque acts |
 | `Touch(i, j, P_i, P_j, …)` | the gap of two shapes, negative where they overlap |
 
 A `Law` has a word, the code of its branch in `kernels.laws`, `parameters`, and the types of `measures` that
@@ -110,6 +111,18 @@ class Frames(NamedTuple):
     j: int  # second body, -1: ground
     P_i: Any  # point of the first: (3,) body axes, m, or a node
     P_j: Any  # point of the second
+
+
+class Push(NamedTuple):
+    """A direction in which a force acts at a point of a body, or a torque on the body."""
+
+    i: int  # -1: the ground, which no effort moves
+    j: int  # the body
+    P_i: Any  # point of the ground: of no meaning
+    P_j: Any  # point of the body: (3,) body axes, m, or a node
+    direction: Any = (0.0, 0.0, 0.0)  # (3,) unit vector, axes of the ground, or of the body if it follows
+    follows: bool = False  # whether it turns with the body
+    turning: bool = False  # whether a torque acts
 
 
 class Joint(NamedTuple):
@@ -253,6 +266,21 @@ MOTOR = Law(
     (Parameter("function", "function of time that the {effort} follows", 1, kind=OF_TIME),),
     meaning="force or torque in a coordinate that follows a function of time",
 )
+# An effort by a function of time in a direction of the ground or of the body on which it acts.
+FORCE, TORQUE = (
+    Law(
+        word,
+        MOTOR.code,
+        (Parameter("function", "function of time that the {effort} follows", 1, kind=OF_TIME),),
+        (Push,),
+        meaning=meaning,
+    )
+    for word, meaning in (
+        ("FORCE", "force at a point or node of a body, which follows a function of time"),
+        ("TORQUE", "torque on a body, which follows a function of time"),
+    )
+)
+DRIVING = (MOTOR, FORCE, TORQUE)  # which follow functions of time
 LEAST_SPEED = 1e-100  # m/s, of friction: squares of speeds over it are still doubles
 # From the part N of the joint's reaction force across its axis plus `preload`: at the sliding speed v (radius
 # times rate of the angle, rate of the stroke, or the root of the sum of their squares) the force mu N opposes
@@ -294,7 +322,7 @@ CONTACT = Law(
     ("stiffness",),
     "contact of two shapes, with friction",
 )  # fmt: skip
-LAWS = (SPRING, CABLE, STOP, BUSHING, MOTOR, FRICTION, CONTACT)
+LAWS = (SPRING, CABLE, STOP, BUSHING, MOTOR, FRICTION, CONTACT, FORCE, TORQUE)
 PARTS_OF_FRAMES = (
     ("x", LENGTH),
     ("y", LENGTH),
@@ -311,7 +339,7 @@ class Element:
 
     name: str
     law: Law
-    measure: Any  # At, Cam, Line, Frames, Joint or Touch
+    measure: Any  # At, Cam, Line, Frames, Joint, Push or Touch
     values: tuple[Any, ...]
     place: Place | None = None
 
@@ -329,6 +357,8 @@ class Element:
     @property
     def turning(self) -> bool:
         """Return whether its coordinate is an angle."""
+        if isinstance(self.measure, Push):
+            return self.measure.turning
         return isinstance(self.measure, At | Cam) and is_angle(self.measure.coordinate)
 
     @property

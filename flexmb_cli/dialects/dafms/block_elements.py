@@ -109,6 +109,10 @@ class _Measures(Measures):
         P_i, P_j = self._end(line, "from", i, "end a"), self._end(line, "to", j, "end b")
         return None if P_i is None or P_j is None else (i, j, P_i, P_j)
 
+    def turns(self, line: ElementLine, body: int) -> bool:
+        """Return whether the end `to` turns with its body: nodes have no attitude."""
+        return "to.node" not in line
+
     def _end(self, line: ElementLine, key: str, body: int, name: str) -> Any:
         elastic = self.bodies[body].elastic if body != INERTIAL else None
         if f"{key}.node" not in line:

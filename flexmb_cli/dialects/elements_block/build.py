@@ -7,6 +7,8 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from ...deck.record import Number
 from ...model.diagnostics import Findings
 from ...model.joint_elements import Coupling, JointDriver, JointElements, JointStart
@@ -15,6 +17,7 @@ from ...model.laws import (
     FUNCTIONS,
     OF_TIME,
     STOP,
+    TORQUE,
     VECTOR,
     At,
     Cam,
@@ -22,6 +25,7 @@ from ...model.laws import (
     Frames,
     Joint,
     Line,
+    Push,
     Touch,
     motors_last,
 )
@@ -137,10 +141,39 @@ class BlockBuilder:
         if "at" in line:
             at = self.measures.at(line)
             return at and At(*at)
+        if Push in law.measures:
+            return self._push(line, law)
         ends = self.measures.ends(line)
         if Touch in law.measures:
             return touch_of(line, self.measures, ends) if ends else None
         return ends and (Frames if Frames in law.measures else Line)(*ends)
+
+    def _push(self, line: ElementLine, law: Any) -> Push | None:
+        """The direction of a force or torque; its other end is the ground."""
+        place = line.place_of("to.body")
+        ground = [
+            Number("from.body", 0, "", "", place),
+            *(Number(f"from.{x}", 0.0, "", "", place) for x in "xyz"),
+        ]
+        ends = self.measures.ends(line.with_numbers([*line.numbers, *ground]))
+        if ends is None:
+            return None
+        i, j, P_i, P_j = ends
+        direction, axes = np.array(line.vector("direction")), line.at("axes")
+        length = float(np.linalg.norm(direction))
+        if not length > 0.0:
+            message = "the direction has no length"
+            self.findings.error(line.subject, message, line.place_of("direction.x"), id="ELEMENTS-191")
+        elif axes.value not in (0, j + 1):
+            message = f"the direction is in axes of the ground, 0, or of body {j + 1}; read {axes.value}"
+            self.findings.error(line.subject, message, line.place_of("axes"), id="ELEMENTS-192")
+        elif law is TORQUE and not self.measures.turns(line, j):
+            message = "nodes of a flexible body do not turn; give a point of the body, or a pair of forces"
+            self.findings.error(line.subject, message, place, id="ELEMENTS-193")
+        else:
+            x, y, z = (direction / length).tolist()
+            return Push(i, j, P_i, P_j, (x, y, z), bool(axes.value), law is TORQUE)
+        return None
 
     def _check(self, line: ElementLine, law: Any) -> None:
         """Check numbers against what the record of the law says."""

@@ -33,6 +33,10 @@ class Measures(ABC):
     def ends(self, line: ElementLine) -> tuple[int, int, Any, Any] | None:
         """Bodies i and j, -1 being the ground, and the ends on them."""
 
+    def turns(self, line: ElementLine, body: int) -> bool:
+        """Return whether the end `to`, on a body, turns with it: points do."""
+        return True
+
     def at(self, line: ElementLine) -> tuple[int, str] | None:
         """Joint or hinge and coordinate of the key `at`."""
         number = line.at("at")

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from ...deck.expansion.expressions import FORMULA
-from ...model.laws import FUNCTIONS, LAWS, PAIRS, REQUIRED, VECTOR, At, Joint, Law, Parameter, Touch
+from ...model.laws import FUNCTIONS, LAWS, PAIRS, REQUIRED, VECTOR, At, Joint, Law, Parameter, Push, Touch
 from ...model.shapes import KINDS as SOLIDS
 from .line import MASS, OUTPUT
 
@@ -84,6 +84,10 @@ FROM = Key("from", "first end: body(x,y,z) or body:node, body 0 being the ground
 TO = Key("to", "second end: body(x,y,z) or body:node", END)
 JOINT = Key("joint", "number of the joint or hinge", WHOLE, needed=True)
 _ENDS = (FROM._replace(needed=True), TO._replace(needed=True))
+_DIRECTION = (
+    Key("direction", "direction of a positive effort", VECTOR, needed=True),
+    Key("axes", "number of the body in whose axes the direction is, that of `to`; 0: ground", WHOLE, 0),
+)
 _SHAPES = (
     Key("normal", "outward normal of the plane through `from`, axes of its body", VECTOR),
     *(
@@ -108,6 +112,9 @@ def _of_law(law: Law) -> BlockWord:
     """Return the word of a force law: what it measures, and its parameters."""
     if Touch in law.measures:
         return BlockWord(law.word, law.meaning, (*_ENDS, *_SHAPES, *_parameters(law)), kinds=PAIRS, law=law)
+    if Push in law.measures:
+        to = TO._replace(meaning="point or node on which it acts", needed=True)
+        return BlockWord(law.word, law.meaning, (to, *_DIRECTION, *_parameters(law)), law=law)
     at, line, joint = At in law.measures, set(law.measures) - {At, Joint}, Joint in law.measures
     measures = (JOINT,) if joint else (AT, FROM, TO) if at and line else (AT,) if at else (FROM, TO)
     both = at and bool(line)

@@ -224,6 +224,10 @@ class _Measures(JointMeasures):
             self._refuse_rotations(line, a, b)
         return a.body, b.body, a, b
 
+    def turns(self, line: ElementLine, body: int) -> bool:
+        """Return whether the end `to` turns with its body: nodes of flexible bodies have no attitude."""
+        return self.bodies[body].flexible is None
+
     def _end(self, line: ElementLine, key: str) -> End | None:
         body = line.at(f"{key}.body")
         if f"{key}.node" in line:

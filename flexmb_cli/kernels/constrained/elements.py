@@ -26,7 +26,7 @@ from ..laws import (
     answer_law,
     answer_unit_friction,
 )
-from ..linalg.rotation import dot
+from ..linalg.rotation import A, dot, rotate
 from .body_vectors import RATE, VECTOR, Geometry, add_vector_row, geometry_of, vector
 from .constraint_primitives import add_chain_row, add_primitive_row, chain_rates, chain_value, primitive_rates
 from .contacts import add_contact, add_contact_slope
@@ -34,12 +34,19 @@ from .system import System, Work
 
 # The codes of model.arrays.records; a test compares them.
 ELEMENT, FRICTION = 5, 6
+ALONG_VECTOR, ABOUT_VECTOR = 2, 3
 
 
 @kernel
 def add_element(system: System, work: Work, k: int, u: np.ndarray, t: float, f: np.ndarray) -> float:
     """Add element k at the speeds u (n,) to f (n,); returns the power of what stores no energy."""
     load, answer = system.loads[k], work.responses[k]
+    if load["in_line"] >= ALONG_VECTOR:
+        answer[COORDINATE], answer[SPEED] = 0.0, 0.0
+        effort = answer_law(load, system.functions, system.knots, t, True, answer)
+        answer[SPEED] = add_along_vector(system, work, load, load["in_line"] == ALONG_VECTOR, effort, u, f)
+        answer[POWER] = effort * answer[SPEED]
+        return answer[POWER]
     if load["shape"] == CONTACT:
         return add_contact(geometry_of(system, work), load, u, answer, f)
     directed = _fill_coordinate(system, work, load, answer)
@@ -51,6 +58,30 @@ def add_element(system: System, work: Work, k: int, u: np.ndarray, t: float, f: 
     else:
         add_chain_row(system, work, load["primitive"], effort, f)
     return answer[POWER]
+
+
+@kernel
+def add_along_vector(
+    system: System, work: Work, load: np.void, pushing: bool, factor: float, u: np.ndarray, f: np.ndarray
+) -> float:
+    """Add to f a factor times the force, or torque, of a load; returns the speed along that vector."""
+    p, v = load["body_vector"], load["vector"]
+    b = system.body_vectors[p]["body"]
+    if b < 0:
+        return 0.0
+    F = rotate(work.rotations[A], b, v) if load["following"] else (v[0], v[1], v[2])
+    speed, axes = 0.0, work.rotations[A, b]
+    if pushing:
+        add_vector_row(geometry_of(system, work), p, F, factor, True, f)
+        w = work.body_vectors[RATE, p]
+        for i in range(3):
+            speed += F[i] * (u[6 * b + i] + w[i])
+        return speed
+    for i in range(3):
+        torque = axes[0, i] * F[0] + axes[1, i] * F[1] + axes[2, i] * F[2]
+        f[6 * b + 3 + i] += factor * torque
+        speed += torque * u[6 * b + 3 + i]
+    return speed
 
 
 @kernel
@@ -115,6 +146,8 @@ def add_element_slope(
     if load["shape"] == CONTACT:
         add_contact_slope(geometry, load, answer, by_position, by_speed, x, y)
         return
+    if load["in_line"] >= ALONG_VECTOR:
+        return  # turns of a force are left to the iteration
     amount = by_position * answer[STIFFNESS] + by_speed * answer[DAMPING]
     if load["kind"] == FRICTION:
         if load["primitive"] >= 0:

@@ -13,9 +13,8 @@ import numpy as np
 
 from .._jit import kernel, part
 from ..laws import ENERGY
-from ..linalg.rotation import A, rotate
-from .body_vectors import RATE, add_vector_row, geometry_of, move_vectors
-from .elements import ELEMENT, add_element, add_element_slope
+from .body_vectors import geometry_of, move_vectors
+from .elements import ELEMENT, add_along_vector, add_element, add_element_slope
 from .mass_matrix import constants_of, mass_times
 from .system import System, Work
 from .time_functions import function_values
@@ -39,31 +38,7 @@ def add_applied_forces(system: System, work: Work, u: np.ndarray, t: float, f: n
             factor = 1.0
             if load["function"] >= 0:
                 factor = function_values(system.functions, system.knots, load["function"], t)[0]
-            power += _add_vector(system, work, load, factor, u, f)
-    return power
-
-
-@kernel
-def _add_vector(
-    system: System, work: Work, load: np.void, factor: float, u: np.ndarray, f: np.ndarray
-) -> float:
-    p, v = load["body_vector"], load["vector"]
-    b = system.body_vectors[p]["body"]
-    if b < 0:
-        return 0.0
-    F = rotate(work.rotations[A], b, v) if load["following"] else (v[0], v[1], v[2])
-    if load["kind"] == FORCE:
-        add_vector_row(geometry_of(system, work), p, F, factor, True, f)
-        w = work.body_vectors[RATE, p]
-        power = 0.0
-        for i in range(3):
-            power += factor * F[i] * (u[6 * b + i] + w[i])
-        return power
-    power, axes = 0.0, work.rotations[A, b]
-    for i in range(3):
-        torque = factor * (axes[0, i] * F[0] + axes[1, i] * F[1] + axes[2, i] * F[2])
-        f[6 * b + 3 + i] += torque
-        power += torque * u[6 * b + 3 + i]
+            power += factor * add_along_vector(system, work, load, load["kind"] == FORCE, factor, u, f)
     return power
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ...model.arrays.tree import TreeArrays
 
 # The codes of model.arrays.tree_elements; a test compares them.
-IN_COORDINATE, IN_LINE, ALONG, ABOUT, BETWEEN = 0, 1, 2, 3, 4
+IN_COORDINATE, IN_LINE, ALONG, ABOUT, BETWEEN, PUSHED, TWISTED = 0, 1, 2, 3, 4, 5, 6
 
 
 @part
@@ -123,6 +123,8 @@ def _measure(element: np.void, work: np.ndarray, q: np.ndarray, y: np.ndarray, a
     a, b = work[element["frame_i"]], work[element["frame_j"]]
     if element["measure"] == ABOUT:
         return _measure_turn(element, a, b, answer)
+    if element["measure"] >= PUSHED:
+        return _set_direction(element, b, q, y, answer)
     place, velocity = _point(b, element["point_j"], element["node_j"], q, y)
     start, start_velocity = _point(a, element["point_i"], element["node_i"], q, y)
     gap, rate = minus(place, start), minus(velocity, start_velocity)
@@ -141,6 +143,24 @@ def _measure(element: np.void, work: np.ndarray, q: np.ndarray, y: np.ndarray, a
     unit = scaled(1.0 / length, gap)
     store(unit, element["force"], 0)
     answer[SPEED] = dot(unit, rate)
+    return True
+
+
+@part
+def _set_direction(element: np.void, s: np.void, q: np.ndarray, y: np.ndarray, answer: np.ndarray) -> bool:
+    """Fill the unit force or torque of an effort along a direction, and the speed along it."""
+    direction = triple(element["point_i"], 0)
+    if element["axis"] != 0:
+        direction = outward(s["axes"], direction)
+    place, velocity = _point(s, element["point_j"], element["node_j"], q, y)
+    store(place, element["place"], 0)
+    answer[COORDINATE] = 0.0
+    if element["measure"] == TWISTED:
+        store(direction, element["torque"], 0)
+        answer[SPEED] = dot(direction, triple(s["angular"], 0))
+    else:
+        store(direction, element["force"], 0)
+        answer[SPEED] = dot(direction, velocity)
     return True
 
 

@@ -13,13 +13,22 @@ import numpy as np
 from ..flexible_mechanism import NodePoint, PointJoint
 from ..joint_elements import COORDINATES_OF, JointElements
 from ..joints import ANGLE, BY_NAME, PITCH, STROKE
-from ..laws import FRICTION, SPRING, At, Cam, Element, Frames, Line, Touch, is_angle
+from ..laws import FRICTION, SPRING, At, Cam, Element, Frames, Line, Push, Touch, is_angle
 from ..time_functions import MotionFunction
 from .constraint_table import PrimitiveTable
 from .contacts import fill_contact
 from .function_table import fill_bushing, fill_law
 from .node_joints import JointVectors
-from .records import ELEMENT, LOAD, NONE, blank_load, blank_primitive, line_primitive
+from .records import (
+    ABOUT_VECTOR,
+    ALONG_VECTOR,
+    ELEMENT,
+    LOAD,
+    NONE,
+    blank_load,
+    blank_primitive,
+    line_primitive,
+)
 from .records import FRICTION as FRICTION_LOAD
 
 if TYPE_CHECKING:
@@ -157,6 +166,8 @@ class ElementTable:
             return self._bushing(item, self._bushings - 1)
         if isinstance(item.measure, Touch):
             return self._contact(item, item.measure)
+        if isinstance(item.measure, Push):
+            return fill_law(self._push(item.measure), item.law, item.values, self.table)
         record = self._line(item.measure) if isinstance(item.measure, Line) else self._at(item.measure)
         return fill_law(record, item.law, item.values, self.table)
 
@@ -184,6 +195,13 @@ class ElementTable:
         head, tail = self._end(ends.j, ends.P_j), self._end(ends.i, ends.P_i)
         record = blank_load(ELEMENT)
         record["in_line"], record["primitive"] = 1, self.table.spring(line_primitive(head, tail))
+        return record
+
+    def _push(self, ends: Push) -> Any:
+        record = blank_load(ELEMENT)
+        record["in_line"] = ABOUT_VECTOR if ends.turning else ALONG_VECTOR
+        record["body_vector"] = self._end(ends.j, ends.P_j)
+        record["vector"], record["following"] = ends.direction, ends.follows
         return record
 
     def _contact(self, item: Element, ends: Touch) -> Any:

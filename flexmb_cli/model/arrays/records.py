@@ -24,6 +24,7 @@ LAW = np.dtype(
 
 
 FORCE, TORQUE, ELEMENT, FRICTION = 1, 2, 5, 6
+ALONG_VECTOR, ABOUT_VECTOR = 2, 3  # ELEMENT, in `in_line`: a force, or torque, along its `vector`
 
 # What records of contacts have beside, see `contacts`.
 TOUCH = np.dtype(
@@ -106,7 +107,8 @@ LOAD = np.dtype(
         ("primitive", np.int64),  # ELEMENT: the angle or stroke that it acts in, or the V in whose length
         ("following", np.int64),  # 1: the vector is in body axes
         ("vector", np.float64, 3),  # N or N m
-        ("in_line", np.int64),  # ELEMENT: 1: it acts in the length of V
+        # ELEMENT: 1: it acts in the length of V; ALONG_VECTOR, ABOUT_VECTOR: along or about `vector`.
+        ("in_line", np.int64),
         # Of a contact the primitive whose V is the point of body j.
         ("stroke", np.int64),  # FRICTION: primitive of the stroke, -1: none; `primitive` is the angle
         ("group", np.int64),  # FRICTION: number of the joint among the groups; of a bushing its own

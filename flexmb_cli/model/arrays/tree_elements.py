@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..laws import FRICTION, At, Cam, Frames, Touch
+from ..laws import FRICTION, At, Cam, Frames, Push, Touch
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from .contacts import columns_of_answers, fill_contact
 from .function_table import FunctionTable, fill_bushing, fill_law
@@ -19,23 +19,24 @@ if TYPE_CHECKING:
     from ..flexible_mechanism import NodePoint
 
 # What an element measures.
-IN_COORDINATE, IN_LINE, ALONG, ABOUT, BETWEEN = 0, 1, 2, 3, 4
+IN_COORDINATE, IN_LINE, ALONG, ABOUT, BETWEEN, PUSHED, TWISTED = 0, 1, 2, 3, 4, 5, 6
 OF_BUSHING = 6  # records: three displacements, three angles
 
 TREE_ELEMENT = np.dtype(
     [
-        ("measure", np.int64),  # IN_COORDINATE, IN_LINE, ALONG, ABOUT, or BETWEEN shapes
+        ("measure", np.int64),  # IN_COORDINATE, IN_LINE, ALONG, ABOUT, BETWEEN shapes, PUSHED or TWISTED
         ("coordinate", np.int64),  # IN_COORDINATE: number of the hinge coordinate
         ("curve", np.int64),  # IN_COORDINATE: function of a cam that is taken off, among `curves`, -1: none
         ("cam", np.int64),  # number of the coordinate that `curve` is a function of
         ("slope", np.float64),  # of `curve`, as it was evaluated last, m or rad per m or rad
         ("frame_i", np.int64),  # FRAME of the first body, 0: inertial
         ("frame_j", np.int64),  # FRAME of the second body
-        ("point_i", np.float64, 3),  # undeformed, axes of frame i, m
+        # Undeformed, axes of frame i, m; PUSHED, TWISTED: the direction, a unit vector.
+        ("point_i", np.float64, 3),
         ("point_j", np.float64, 3),  # undeformed, axes of frame j, m
         ("node_i", np.int64, 3),  # elastic coordinates that displace it along axis 1, 2, 3; -1: none
         ("node_j", np.int64, 3),  # the same of the second
-        ("axis", np.int64),  # ALONG, ABOUT: axis of frame i, 0 to 2
+        ("axis", np.int64),  # ALONG, ABOUT: axis of frame i, 0 to 2; PUSHED, TWISTED: 1 if it follows frame j
         ("turned", np.float64, 9),  # ABOUT: axes of the bushing on frame j, in its axes, row by row
         ("resists", np.int64),  # ABOUT: whether there is a torque: then it must not overturn
         ("expected", np.float64),  # ABOUT: angle found last, from which whole turns continue, rad
@@ -145,6 +146,10 @@ class TreeElements:
                 records["measure"], records["axis"] = 3 * [ALONG] + 3 * [ABOUT], 2 * [0, 1, 2]
                 fill_bushing(records, item)
                 records["resists"] = records["c"].any(axis=1)
+            elif isinstance(item.measure, Push):
+                records["measure"] = TWISTED if item.measure.turning else PUSHED
+                records["axis"], records["point_i"] = item.measure.follows, item.measure.direction
+                fill_law(records, item.law, item.values, self.table)
             elif isinstance(item.measure, Touch):
                 records["measure"] = BETWEEN
                 fill_contact(records, item)

@@ -11,7 +11,7 @@ import numpy as np
 from ...errors import Place
 from ..joint_elements import Coupling, JointDriver
 from ..joints import ANGLE
-from ..laws import OF_TIME, At, Cam, Element, Frames, Joint, Parameter, Touch
+from ..laws import OF_TIME, At, Cam, Element, Frames, Joint, Parameter, Push, Touch
 from ..mechanism import GROUND, Vector
 from ..shapes import Shape, ShapeCard
 from ..vectors import rotation_matrix
@@ -124,6 +124,10 @@ class Conversion(ABC):
         if isinstance(measure, Touch):
             message = "contacts do not convert: their shapes are given in the axes of bodies"
             self.refusals.add(item, message, id="MODEL-023")
+            return None
+        if isinstance(measure, Push):
+            message = f"lines {item.law.word} do not convert: their directions may be those of a body's axes"
+            self.refusals.add(item, message, id="ELEMENTS-190")
             return None
         i, j = self.end(measure.i, measure.P_i), self.end(measure.j, measure.P_j)
         if i[0] == GROUND == j[0] or (isinstance(measure, Frames) and not self._is_like(item, i[0])):

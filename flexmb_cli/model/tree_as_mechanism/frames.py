@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import Fault, ModelError
-from ..laws import MOTOR
+from ..laws import MOTOR, At, Cam
 from ..tree import INERTIAL, Hinge, Tree
 from ..vectors import rotation_matrix
 
@@ -118,7 +118,11 @@ def _weights(tree: Tree) -> Iterator[Any]:
 def _balls(tree: Tree) -> Iterator[Any]:
     """Yield a fault for what acts about one of three free rotations: none is a coordinate of a position."""
     for item in tree.elements.forces:
-        if item.turning and len(tree.hinges[item.measure.joint].rotations) == 3:
+        if (
+            item.turning
+            and isinstance(item.measure, At | Cam)
+            and len(tree.hinges[item.measure.joint].rotations) == 3
+        ):
             message = (
                 f"a {'motor' if item.law is MOTOR else 'damper'} in a hinge with three free rotations is not "
                 f"carried over to absolute coordinates; {OTHERWISE}"

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...deck.record import Deck
 from ...model.integrators import IMPLICIT_TREE_METHODS
-from ...model.laws import MOTOR
+from ...model.laws import DRIVING
 from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
 from ...solvers.tree.breakpoints import breakpoints
 from ..outcome import Listener, Run
@@ -29,7 +29,7 @@ POINTS = {"position": "m", "velocity": "m/s"}
 def differences(tree: Tree, deck: Deck, run: Run) -> tuple[Difference, ...]:
     """Run `tree` both ways and return what the motions differ in.  Raises FlexmbError."""
     # Elastic bodies alone are slow, but not too slow, by explicit steps.
-    acting = any(item.law is not MOTOR for item in tree.elements.forces)
+    acting = any(item.law not in DRIVING for item in tree.elements.forces)
     stiff = acting and tree.integration.method in IMPLICIT_TREE_METHODS
     given: dict[str, Any] = (IMPLICIT if stiff else EXPLICIT) | run.options.integration
     tree = replace(tree, integration=replace(tree.integration, **given))

@@ -13,7 +13,7 @@ from ...model.arrays.dynamic import DynamicArrays
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.joint_elements import JointElements, names_of
-from ...model.laws import CONTACT, MOTOR, parts_in_arrays
+from ...model.laws import CONTACT, DRIVING, parts_in_arrays
 from ...model.loads import DynamicModel
 from ...model.vectors import cross_rows
 from .flexible_rows import FlexibleRows, flexible_rows
@@ -110,7 +110,7 @@ def answers_of(elements: JointElements, answers: np.ndarray, works: np.ndarray, 
     """Fields of `ElementAnswers`: `answers` (T, E, columns) and `works` (T, E) begin with so many springs."""
     parts = parts_in_arrays(elements.forces)
     order = [*range(springs), *(springs + place for _, place in parts)]
-    motors = np.array(springs * [False] + [item.law is MOTOR for item, _ in parts], bool)
+    motors = np.array(springs * [False] + [item.law in DRIVING for item, _ in parts], bool)
     # A force of none is 0, not -0.
     found, works = answers[:, order] + 0.0, works[:, order] + 0.0
     columns = {"coordinate": COORDINATE, "rate": SPEED, "effort": EFFORT, "power": POWER, "energy": ENERGY}

@@ -188,7 +188,7 @@ def _unit_loads(name: str, is_force: bool, load: np.void) -> Iterator[tuple[Sign
         unit = "N" if load["kind"] == FORCE else "N m"
         for k, axis in enumerate(AXES):
             yield Signal(f"{name} {axis}", unit), _vector_load(load, k)
-    elif load["in_line"]:
+    elif load["in_line"] == 1:
         pull = _constant_load(load)
         yield Signal(f"{name} tension", "N"), lambda amount: pull(-amount)
     else:

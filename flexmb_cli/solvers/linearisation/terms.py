@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from ...model.flexible_mechanism import NodePoint
 from ...model.joint_elements import JointElements
-from ...model.laws import MOTOR, parts_in_arrays
+from ...model.laws import DRIVING, parts_in_arrays
 
 
 @dataclass(frozen=True)
@@ -31,5 +31,5 @@ def motors_of(elements: JointElements, first: int) -> tuple[tuple[str, bool, int
     return tuple(
         (item.name, not item.turning, first + place)
         for item, place in parts_in_arrays(elements.forces)
-        if item.law is MOTOR
+        if item.law in DRIVING
     )

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...model.arrays.tree import TreeArrays, body_frames
-from ...model.laws import MOTOR, parts_in_arrays
+from ...model.laws import DRIVING, parts_in_arrays
 from ...model.tree import ELASTIC, INERTIAL, ROTATION, Coordinate
 from ..constrained.tree_element_rows import TreeElementRows
 from ..tree.loop_assembly import gap_rates
@@ -99,7 +99,7 @@ class TreeResponses(Responses):
         for k, signal in enumerate(signals):
             yield Input(signal, still, still, self._changed("torques", "constant", k), 1.0)
         for item, k in parts_in_arrays(self.tree.elements.forces):
-            if item.law is MOTOR:
+            if item.law in DRIVING:
                 signal = Signal(f"{item.name} effort", "N m" if item.turning else "N")
                 yield Input(signal, still, still, self._changed("elements", "c", (k, 0)), 1.0)
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from ...errors import AnalysisError, Fault
-from ...model.laws import MOTOR
+from ...model.laws import DRIVING
 from ...model.time_functions import corners
 from ...model.tree import Tree
 from ...model.unit_checks import uneven_masses
@@ -13,7 +13,7 @@ from ..table_times import jump_at, jump_within_no_time, times_between
 def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
     """Times inside (start, end) at which a function of the tree jumps or bends."""
     elements = tree.elements
-    functions = [item["function"] for item in elements.of(MOTOR)]
+    functions = [item["function"] for law in DRIVING for item in elements.of(law)]
     functions += [item.function for item in elements.drivers]
     functions += [torque.function for torque in tree.torques]
     return times_between([t for function in functions for t in corners(function)], start, end)
