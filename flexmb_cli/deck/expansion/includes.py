@@ -22,6 +22,7 @@ from ..text import LARGEST_DECK, STANDARD_INPUT, read_text
 from .expressions import CONSTANTS, Formula, WrongFormula, formula
 
 MOST_INCLUDED = 1000  # files
+BEGINNING = 10_000  # characters of a deck among which its first line stands
 _STATEMENT = re.compile(r"(?:SET|INCLUDE)\s", re.IGNORECASE)
 _SET = re.compile(r"SET\s+([A-Za-z_]\w*)\s*=\s*", re.IGNORECASE)
 _INCLUDE = re.compile(r'INCLUDE\s+(?:"([^"]+)"|(\S+))\s*', re.IGNORECASE)
@@ -80,8 +81,7 @@ class Expansion:
 
 def is_expandable(text: str) -> bool:
     """Return whether a deck begins with a line SET or INCLUDE."""
-    if "SET" not in text.upper() and "INCLUDE" not in text.upper():
-        return False
+    text = text[:BEGINNING]
     first = next((line for line in _code(text) if line.strip()), "")
     return bool(_STATEMENT.match(first))
 
