@@ -6,7 +6,7 @@ arguments and results, and the exceptions that they raise.
 
 from typing import TYPE_CHECKING
 
-__version__ = "0.1.0"
+from .version import __version__ as __version__
 
 if TYPE_CHECKING:
     from .interface import (

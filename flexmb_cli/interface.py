@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .run.check.check import CheckReport
     from .run.earlier_results import EarlierResults
     from .run.outcome import Listener, Outcome, RunOptions, TextStream
-    from .run.solution import Solution
+    from .run.solutions import Solution
     from .study.sweep import Sweep
 
 

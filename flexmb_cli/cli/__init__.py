@@ -15,7 +15,6 @@ from typing import Any
 
 import click
 
-from .. import __version__
 from ..errors import (
     ANALYSIS_FAILED,
     BAD_INPUT,
@@ -28,6 +27,7 @@ from ..errors import (
 from ..memory import LACK_OF_MEMORY, lack_of_memory_text, lacks_memory
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
 from ..run.processes.signal_mask import ignore_stops, pass_over_stops
+from ..version import __version__
 from .terminal.screen import WrongCall
 
 DONE = {

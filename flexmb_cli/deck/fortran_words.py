@@ -9,7 +9,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from .fortran_format import Edit
+from .edit import Edit
 
 # Python makes no integer of thousands of digits; digits that only one part of a pattern can take are
 # tried once, however many a damaged word has.

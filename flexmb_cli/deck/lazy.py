@@ -58,3 +58,11 @@ class Chained(Lazy):
                 return part[index]
             index -= len(part)
         raise IndexError(index)
+
+
+class BySection(Chained):
+    """Records that stand by sections."""
+
+    @abstractmethod
+    def section(self, name: str) -> Sequence[Any]:
+        """Return the records of one section."""

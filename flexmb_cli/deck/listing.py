@@ -10,7 +10,7 @@ from typing import Any, BinaryIO, NamedTuple
 import numpy as np
 
 from ..errors import DeckError, Fault
-from .fortran_format import Edit
+from .edit import Edit
 from .fortran_words import unit_of, value_of
 from .other_files import first_bytes, size_of
 

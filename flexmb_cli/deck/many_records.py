@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
 from ..errors import Place
-from .lazy import Chained, Lazy, Made
+from .lazy import BySection, Lazy, Made
 from .record import Deck, Number, Record
 
 if TYPE_CHECKING:
@@ -167,7 +167,7 @@ class Block(Lazy):
         return self.changed[index] if index in self.changed else self.made(index)
 
 
-class ManyRecords(Chained):
+class ManyRecords(BySection):
     """Records by sections, in the deck's order."""
 
     def __init__(self, blocks: Sequence[Block]):

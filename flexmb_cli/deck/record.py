@@ -7,12 +7,12 @@ from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 from ..errors import Fault, Place
+from .lazy import BySection
 from .lines import Lines
 
 if TYPE_CHECKING:
     from .expansion.expressions import Formula
-    from .expansion.includes import Expansion
-    from .many_records import ManyRecords
+    from .expansion.origins import Expansion
 
 
 # A float, an int or a str: the column of the number decides, which a type checker cannot know.
@@ -136,7 +136,7 @@ class Deck:
 
     dialect: str
     source: DeckText
-    records: "tuple[Record, ...] | ManyRecords"
+    records: tuple[Record, ...] | BySection
     warnings: tuple[Fault, ...] = field(default=())
     slips: tuple[Fault, ...] = field(default=())
     settings: tuple[str, ...] = ()

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from .fortran_format import Edit, fixed
+from .edit import Edit, fixed
 
 
 @dataclass(frozen=True)

@@ -64,13 +64,13 @@ TUPLES = {
         "f4 f2 f2 f2 f1 i1 f2 f2 f3 f1 f3 f4 f1 f2 i1 f1 f1 f2 i2 i1 i2 f1 f2 f3 f4",
     ),
     "Report": ("kernels.constrained.report:Report", "f1 f2 f2 f4 f2 f1 f2 f3 f3"),
-    "Integration": ("kernels.integrators.constrained_dop853:Integration", "CLOCK1 f1 f1 f1 f2 f2 f1 f2"),
+    "Integration": ("kernels.integrators.integrations:Integration", "CLOCK1 f1 f1 f1 f2 f2 f1 f2"),
     "AlphaIntegration": (
-        "kernels.integrators.generalised_alpha:AlphaIntegration",
+        "kernels.integrators.integrations:AlphaIntegration",
         "CLOCK1 ALPHA_MEMORY1 f1 f1 f1 f1 f2 f2 f2 f2 f2 f2 f2 Work",
     ),
     "RadauIntegration": (
-        "kernels.integrators.radau5:RadauIntegration",
+        "kernels.integrators.integrations:RadauIntegration",
         "CLOCK1 RADAU_MEMORY1 f1 f1 f1 f1 f2 f2 f2 f2 f2 f2 f2 f1 f1 f2 f2 f3 f3 c2 f1 c1 Work",
     ),
     "Tree": (

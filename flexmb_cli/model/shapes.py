@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .mechanism import Vector
+from .vectors import Vector
 
 BOX, CYLINDER, TUBE, CONE, SPHERE = "box", "cylinder", "tube", "cone", "sphere"
 KINDS = (BOX, CYLINDER, TUBE, CONE, SPHERE)

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+Vector = tuple[float, float, float]
+
 
 def dot(a: Any, b: np.ndarray | tuple[float, float, float]) -> float:
     """Scalar product."""

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..errors import Fault
-from .solution import NoCount
+from .solutions import NoCount
 
 WRONG = 1e-3  # share of what moves: errors of the steps are a thousandth of that
 ENERGY_ROUND_OFF = 1e-12  # of the total

@@ -18,7 +18,7 @@ from .outcome import Run, TextStream
 if TYPE_CHECKING:
     import numpy as np
 
-    from .solution import Solution
+    from .solutions import Solution
 
 
 class ResultFiles:

@@ -1,20 +1,17 @@
-"""Solve a deck of any dialect and write its results: block by block to the resume file, tables and HDF5 file.
-
-`Solution` is an analysis ready to be solved, in the same form for all models.
-"""
+"""Solve a deck of any dialect and write its results by blocks: to the resume file, tables and HDF5 file."""
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
-from .. import __version__
 from ..deck.record import Deck
 from ..dialects.elements_block.line import has_outputs
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
 from ..results.files.file_names import ResultPaths, refuse_foreign
 from ..solvers.compilation import report_damage
+from ..version import __version__
 from .checkpoint import ResumeFile
 from .earlier_results import EarlierResults
 from .model import model_of, module_for, open_deck, own_options, warn_of_foreign_options
@@ -31,81 +28,12 @@ from .outcome import (
 )
 from .python_options import refuse_foreign_method
 from .result_files import ResultFiles
+from .solutions import Solution
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from ..solvers.kinematics.variants import Variants
     from .error_estimate import ErrorEstimate
-
-
-class Analysis(Protocol):
-    """Interface of an analysis."""
-
-    def rows(self) -> Iterator[Any]:
-        """Yield blocks of report rows."""
-
-    @property
-    def checkpoint(self) -> Mapping[str, "np.ndarray"]:
-        """Return the state behind the last block, as arrays by name."""
-
-    def restore(self, checkpoint: dict[str, "np.ndarray"]) -> object:
-        """Continue from a checkpoint."""
-
-
-class NoCount:
-    """Counts nothing."""
-
-    @property
-    def warnings(self) -> tuple[Fault, ...]:
-        """Return the warnings about the values counted."""
-        return ()
-
-    def add(self, values: Mapping[str, "np.ndarray"]) -> None:
-        """Count a block of values."""
-
-    def __str__(self) -> str:
-        return ""
-
-
-@dataclass(frozen=True)
-class Solution:
-    """An analysis ready to be solved.
-
-    `analysis.rows()` yields blocks of report rows, `rows` in all; `values` gives a block as arrays by the
-    paths of their datasets, which `layout()` describes.  `count` counts them: `add(values)`, its `warnings`
-    about them, and as text the statistics.  `model_warnings()` are those about the model, `warnings` those
-    of the analysis so far.  `finer(run)` makes the blocks of values of a second, finer run, or None.
-    `identity`: what the numbers depend on besides the deck, in JSON's types.
-
-    If it is `resumable`, the analysis has a `checkpoint` behind every block, arrays by name, and
-    `analysis.restore(checkpoint)` continues from it.  `variants()`: what solves variants of the model
-    together, or None.  `outputs` computes those of the deck anew for a block that is stored: the next block
-    continues it.
-    """
-
-    analysis: Analysis
-    rows: int
-    layout: Callable[..., Any]
-    values: Callable[[Any], Mapping[str, "np.ndarray"]]
-    count: NoCount
-    model_warnings: Callable[[], list[Fault]] = list
-    warnings: list[Fault] = field(default_factory=list)
-    finer: Callable[[Run], Iterator[Mapping[str, "np.ndarray"]] | None] = lambda run: None
-    identity: dict[str, Any] = field(default_factory=dict)
-    resumable: bool = True
-    variants: "Callable[[], Variants | None]" = lambda: None
-    outputs: Callable[[Mapping[str, "np.ndarray"]], Mapping[str, "np.ndarray"]] = lambda values: values
-
-    def blocks(self) -> Iterator[Mapping[str, "np.ndarray"]]:
-        """Yield the blocks of values; raises as the analysis does."""
-        return map(self.values, self.analysis.rows())
-
-    def blocks_counted(self) -> Iterator[Mapping[str, "np.ndarray"]]:
-        """Yield the blocks of values and count them."""
-        for values in self.blocks():
-            self.count.add(values)
-            yield values
 
 
 def solution_of(model: Any, run: Run) -> Solution:

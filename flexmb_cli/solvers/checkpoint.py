@@ -10,8 +10,7 @@ from ..errors import Fault
 
 if TYPE_CHECKING:
     from ..kernels.constrained.system import Work
-    from ..kernels.integrators.constrained_dop853 import Integration
-    from ..kernels.integrators.generalised_alpha import AlphaIntegration
+    from ..kernels.integrators.integrations import AlphaIntegration, Integration
 
 
 def arrays_in(**records: Any) -> dict[str, np.ndarray]:

@@ -18,12 +18,15 @@ import numpy as np
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
+    from scipy.sparse.linalg import SuperLU
 
 
 RESIDUAL_MET = 1e-9  # scaled residual that counts as met
 Position = tuple[np.ndarray, np.ndarray]  # coordinates (N,) and their scaled residual (m,)
 LARGEST_STEP = 0.3  # scaled: of the length scale, rad
 HALVINGS = 10  # of a correction that widens the gaps
+REFINEMENTS = 6  # of a correction
+SMALLEST_COMPLIANCE = 1e-15  # of a constraint, of the largest entry: what keeps pivots from being 0
 
 
 class Equations(Protocol):
@@ -128,9 +131,39 @@ def _least_step(
     """Return the shortest step (n,) that takes the gap away to first order, 0 where there is none."""
     step, part = np.zeros(J.shape[1]), J if columns is None else J[:, columns]
     if not isinstance(J, np.ndarray):
-        from .singular.sparse_rank import shortest_correction  # which needs scipy
-
         step[slice(None) if columns is None else columns] = -shortest_correction(part, gap)
     elif np.isfinite(J).all():  # an angle of a vector along its axis has no rate; LAPACK never returns
         step[slice(None) if columns is None else columns] = -np.linalg.lstsq(part, gap, rcond=dependent)[0]
     return step
+
+
+def shortest_correction(
+    matrix: "csr_matrix", gap: np.ndarray, weights: "csr_matrix | None" = None
+) -> np.ndarray:
+    """Return the x (n,) with J x = gap that makes xᵀ W x smallest, W the identity by default.
+
+    The solution is refined, so that equations that repeat others need not be known.
+    """
+    from scipy.sparse import identity
+
+    n = matrix.shape[1]
+    W = identity(n) if weights is None else weights
+    factors = saddle_point(matrix, weights)
+    x, multipliers = np.zeros(n), np.zeros(gap.size)
+    for _ in range(REFINEMENTS):
+        rest = np.concatenate([-(W @ x) - matrix.T @ multipliers, gap - matrix @ x])
+        change = factors.solve(rest)
+        x += change[:n]
+        multipliers += change[n:]
+    return x
+
+
+def saddle_point(J: "csr_matrix", weights: "csr_matrix | None") -> "SuperLU":
+    """Return the factors of [[W, Jᵀ], [J, -δ]], δ so small that only repeated equations notice it."""
+    from scipy.sparse import bmat, identity
+    from scipy.sparse.linalg import splu
+
+    m, n = J.shape
+    delta = SMALLEST_COMPLIANCE * max(abs(J).max(), 1.0)
+    W = identity(n) if weights is None else weights
+    return splu(bmat([[W, J.T], [J, -delta * identity(m)]], format="csc"))

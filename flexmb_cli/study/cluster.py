@@ -6,9 +6,9 @@ from collections.abc import Callable
 from concurrent.futures import CancelledError
 from typing import Any
 
-from .. import __version__
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, FlexmbError
 from ..extras import needed
+from ..version import __version__
 from .sweep import BlockDone, Job, Sweep, solve_block
 from .workers import IN_FLIGHT, keep, note_deaths
 

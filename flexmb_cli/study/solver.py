@@ -18,7 +18,8 @@ from ..results.hdf5.result_file import empty_result
 from ..results.quantities.quantities import SHOWS_ALL, Quantity, ResultError, resolve
 from ..run.model import model_of
 from ..run.outcome import Listener, Outcome, Run, RunOptions, Stop
-from ..run.solution import Solution, solution_of, with_outputs
+from ..run.solution import solution_of, with_outputs
+from ..run.solutions import Solution
 from .study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Cases, Kept, Study
 
 if TYPE_CHECKING:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
-from .. import __version__
 from ..deck.lines import Lines
 from ..deck.record import Deck, DeckText
 from ..deck.text import read_text
@@ -16,6 +15,7 @@ from ..dialects.recognise import CHOOSES, open_text, read_deck
 from ..errors import ANALYSIS_FAILED, INTERNAL_FAULT, DeckError, Fault, OutputError
 from ..memory import with_present_objects_frozen
 from ..run.outcome import Listener, RunOptions, Stop
+from ..version import __version__
 from .checkpoints import Part, Parts, RecordForm, StudyLock
 from .reader import read_study
 from .solver import CaseResult, CaseSolver

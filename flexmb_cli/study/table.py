@@ -11,11 +11,11 @@ from typing import Any
 import h5py
 import numpy as np
 
-from .. import __version__
 from ..extras import needed
 from ..results.files.disk_failures import FullDiskGuard, located
 from ..results.files.replaced_file import Replacement
 from ..results.hdf5.result_file import FILE_FORMAT, TEXT, printable_name
+from ..version import __version__
 
 # 2: series have a dimension scale along their report rows, too.
 CONVENTIONS = "flexmb-study-2"

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from flexmb_cli.deck.fortran_format import E, F, I, Layout, P, fixed, integer
+from flexmb_cli.deck.edit import E, F, I, P, fixed, integer
+from flexmb_cli.deck.fortran_format import Layout
 from flexmb_cli.deck.pictures.field_columns import MOST_DECIMALS, picture
 
 EDITS = {

@@ -7,7 +7,8 @@ from decimal import ROUND_HALF_EVEN, Decimal
 import numpy as np
 import pytest
 
-from flexmb_cli.deck.fortran_format import HISTORIC, SAFE, E, F, I, Layout, fixed, integer, rounds_to_zero
+from flexmb_cli.deck.edit import HISTORIC, SAFE, E, F, I, fixed, integer, rounds_to_zero
+from flexmb_cli.deck.fortran_format import Layout
 
 
 def historic(*parts):

@@ -22,7 +22,7 @@ LAYERS = (
     "run", "study", "interface", "cli",
 )  # fmt: skip
 # Beside the layers, for all of them: modules of the top that import each other and errors only.
-FOR_ALL = ("extras", "installation", "managed_files", "memory")
+FOR_ALL = ("extras", "installation", "managed_files", "memory", "version")
 # What starts at once never imports these; the MATLAB file is SciPy's.
 LIGHT, HEAVY = ("deck", "model", "dialects", "results"), ("numba", "scipy")
 FOREIGN_FORMATS = "results/files/matlab.py"

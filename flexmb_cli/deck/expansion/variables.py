@@ -14,7 +14,8 @@ from ..fortran_fields import filled
 from ..number import Misspelt, real
 from ..record import Deck, DeckText, Number
 from .expressions import FORMULA, Formula, WrongFormula, evaluated, formula
-from .includes import Expansion, Piece, code_lines, unread, with_text
+from .includes import code_lines, unread, with_text
+from .origins import Expansion, Piece
 
 WIDEST = 10  # columns of a field
 ROUNDED = 1e-6  # of the value: digits that do not fit

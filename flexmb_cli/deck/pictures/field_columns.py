@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from ..fortran_format import Edit
+    from ..edit import Edit
 
 BLANK, MINUS, POINT, ZERO = b" -.0"
 MOST_DECIMALS = 9  # these and the longest whole part are exact in a double

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...deck.fortran_format import SAFE, E, Edit, F, I, Layout
+from ...deck.edit import SAFE, E, Edit, F, I
+from ...deck.fortran_format import Layout
 from ...deck.record import Deck, Record
 from .beam import full_matrix
 
@@ -45,7 +46,7 @@ _LISTS = {"first_coordinate": "     X(L)", "state": "     Y(L)"}
 
 
 def echo_text(deck: Deck, layout: str = SAFE) -> str:
-    """The whole of FMBD.OUT for `deck`, lines ended by LF; `layout` as in `fortran_format`."""
+    """The whole of FMBD.OUT for `deck`, lines ended by LF; `layout` as in `deck.edit`."""
     page = _Page(deck, layout)
     parts = [page.control()]
     bodies = range(1, deck.one("counts")["N"] + 1)

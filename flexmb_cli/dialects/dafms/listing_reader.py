@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ...deck.fortran_format import E, Edit, F, I
+from ...deck.edit import E, Edit, F, I
 from ...deck.fortran_words import is_unreadable, split_fields, split_list, unit_of, value_of
 from ...deck.listing import EchoLine, Listing, ListingForm, Rows, TableError
 from ...errors import Fault, Place

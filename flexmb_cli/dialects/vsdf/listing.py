@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...deck.body_text import body_lines
-from ...deck.fortran_format import SAFE, I, Layout, P
+from ...deck.edit import SAFE, I, P
+from ...deck.fortran_format import Layout
 from ...deck.record import Deck
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 
-from ...deck.fortran_format import Edit
+from ...deck.edit import Edit
 from ...deck.fortran_words import is_unreadable, split_fields, unit_of, value_of
 from ...deck.listing import EchoLine, Listing, ListingForm, Rows, TableError
 from ...errors import Fault, Place

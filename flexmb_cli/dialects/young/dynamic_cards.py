@@ -14,6 +14,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 from ...deck import many_records, number
+from ...deck.lazy import BySection
 from ...deck.many_records import Block, ManyRecords, blocks_of
 from ...deck.record import Deck, DeckText, Number, Record
 from ...deck.words import UNCLOSED, Word, words
@@ -155,7 +156,7 @@ class _Cards:
     shapes_alone: bool = False
     stray: int = 0  # line of an element outside a block
 
-    def behind(self, records: tuple[Record, ...] | ManyRecords) -> tuple[Record, ...] | ManyRecords:
+    def behind(self, records: tuple[Record, ...] | BySection) -> tuple[Record, ...] | BySection:
         """Return the records of the cards behind those of kinematics; many ones are made when looked at."""
         if isinstance(records, tuple) and self.numbers <= many_records.MANY_NUMBERS:
             return *records, *self.records, *self.lines

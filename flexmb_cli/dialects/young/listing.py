@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ...deck.fortran_format import HISTORIC, SAFE, Edit, Layout, fixed, integer
+from ...deck.edit import HISTORIC, SAFE, Edit, fixed, integer
+from ...deck.fortran_format import Layout
 from ...deck.record import Deck, Record
 from ...solvers.as_printed.errors import AS_PRINTED
 
@@ -97,7 +98,7 @@ _SECTIONS = (
 class OutTable:
     """Writes a YOUNG deck's OUT table to the first of `streams`; lines end in LF.
 
-    `layout`: "safe" or "historic" (see `fortran_format`).
+    `layout`: "safe" or "historic" (see `deck.edit`).
     """
 
     def __init__(self, streams: tuple[Any, ...], deck: Deck, layout: str = SAFE, analysis: object = None):

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ...deck.fortran_format import fixed
+from ...deck.edit import fixed
 from ...deck.fortran_words import UNREADABLE, unit_of, value_of
 from ...deck.listing import LARGEST_INDEX, EchoLine, Listing, ListingForm, Rows, Section, TableError
 from ...deck.number import hint

@@ -15,9 +15,7 @@ from .report import coordinates_and_speeds
 from .system import System, Work
 
 if TYPE_CHECKING:
-    from ..integrators.constrained_dop853 import Integration
-    from ..integrators.generalised_alpha import AlphaIntegration
-    from ..integrators.radau5 import RadauIntegration
+    from ..integrators.integrations import AlphaIntegration, Integration, RadauIntegration
 
 
 # Rows of the angles kept (3, angles), rad: at the end of the last step, at its start, and those expected.

@@ -9,8 +9,6 @@ II.4-II.6 and II.10 (of the errors only what the constraints allow counts); proj
 volume II, section VII.2.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from .._jit import allocating, kernel
@@ -45,6 +43,7 @@ from .dop853 import (
 )
 from .dop853_table import ALL_STAGES, DENSE_TERMS, ERROR_3, ERROR_5, STAGES
 from .error_norm import MOST_MOVED, displacement_tolerance, moved_by_time, tolerance
+from .integrations import Integration
 from .singular_ahead import NOISE, look_ahead, round_off
 from .time_loop import SHORT
 
@@ -94,19 +93,6 @@ def _keep_allowed(system: System, work: Work, change: np.ndarray):
 
 
 MOST_BLURRED = 1e-5  # by how much the projection may move a step over a singular position, scaled
-
-
-class Integration(NamedTuple):
-    """State of an integration between calls, for states of N numbers."""
-
-    clock: np.ndarray  # (1,) CLOCK record
-    z: np.ndarray  # (N,) state at the time t: m, 1, m/s, rad/s, J
-    old: np.ndarray  # (N,) state at the start of the last step, in the same units
-    trial: np.ndarray  # (N,) state that is tried or reported, in the same units
-    slopes: np.ndarray  # (16, N) rates of the stages, units of the state a second
-    dense: np.ndarray  # (7, N) terms of the dense output, units of the state
-    units: np.ndarray  # (N,) a state's unit, of which the absolute tolerance is
-    angles: np.ndarray  # (3, angles) rad, see `angle_unwrapping`
 
 
 def new_integration(work: Work, angles: int, works: int = 0):

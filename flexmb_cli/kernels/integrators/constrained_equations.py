@@ -25,9 +25,7 @@ from .error_norm import scaled_norm
 from .hermite import cubic
 
 if TYPE_CHECKING:
-    from .constrained_dop853 import Integration
-    from .generalised_alpha import AlphaIntegration
-    from .radau5 import RadauIntegration
+    from .integrations import AlphaIntegration, Integration, RadauIntegration
 
 IN_DOUBT = -1  # code of a row that round-off may rule
 DOUBTFUL_PIVOT = 2e-3  # of the largest that the smallest pivot was, at most 1: round-off may rule a row below

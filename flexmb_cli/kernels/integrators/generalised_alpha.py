@@ -6,7 +6,7 @@ both ends; every row is brought onto the constraints to round-off, and its accel
 those of the equations of motion there.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -47,6 +47,7 @@ from .generalised_alpha_step import (
     turn_exactly,
 )
 from .hermite import cubic, cubic_slope
+from .integrations import AlphaIntegration
 from .rotation_increments import FAR_TURN, LONGEST_TURN, largest_turn, set_slope, shift_between
 from .singular_ahead import look_ahead
 from .time_loop import Method, time_loop
@@ -71,25 +72,6 @@ MEMORY = np.dtype(
         ("passing", np.float64),
     ]
 )
-
-
-class AlphaIntegration(NamedTuple):
-    """State of an integration between calls, for n speeds, states of N numbers, m equations."""
-
-    clock: np.ndarray  # (1,) CLOCK record
-    memory: np.ndarray  # (1,) MEMORY record
-    z: np.ndarray  # (N,) state at the time t: m, 1, m/s, rad/s, J
-    old: np.ndarray  # (N,) state at the start of the last step, in the same units
-    trial: np.ndarray  # (N,) state that is tried or reported, in the same units
-    units: np.ndarray  # (N,) a state's unit, of which the absolute tolerance is
-    angles: np.ndarray  # (3, angles) rad, see `angle_unwrapping`
-    rates: np.ndarray  # (5, n) accelerations, m/s² or 1/s², rows as in `generalised_alpha_step`
-    missing: np.ndarray  # (3, n) forces missing in the equations of motion, scaled; zeros in rows 1, 2
-    corrections: np.ndarray  # (3, n) of accelerations, speeds and positions, scaled
-    free: np.ndarray  # (3, n) their parts along the free motions, scaled
-    gaps: np.ndarray  # (3, m) missing, in units of the equations: ACCELERATION_GAP, SPEED_GAP, POSITION_GAP
-    load_powers: np.ndarray  # (3, K) of each load whose work is kept, rows NOW, BEHIND and TRIED, W
-    newton: Work  # whose `reduced` is the matrix of an iteration
 
 
 def new_integration(work: Any, angles: Any, works: int = 0) -> AlphaIntegration:

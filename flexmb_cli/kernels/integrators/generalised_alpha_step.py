@@ -46,7 +46,7 @@ from .error_norm import CAUTION, ITERATED, SLOWEST, displacement_tolerance, tole
 from .singular_ahead import NOISE, SPEED_ROUND_OFF, blur, look_ahead, round_off
 
 if TYPE_CHECKING:
-    from .generalised_alpha import AlphaIntegration
+    from .integrations import AlphaIntegration
 
 
 SAFETY, FASTEST = 0.85, 3.0

@@ -49,7 +49,7 @@ from .rotation_increments import LONGEST_TURN, largest_turn, set_slope
 from .singular_ahead import blur
 
 if TYPE_CHECKING:
-    from .radau5 import RadauIntegration
+    from .integrations import RadauIntegration
 
 
 STAGES = 3

@@ -14,10 +14,10 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ... import __version__
 from ...deck.record import Deck
 from ...errors import COMPLETE, FAILED, OutputError
 from ...solvers.as_printed.errors import AS_PRINTED, EMULATED
+from ...version import __version__
 from ..files.disk_failures import FullDiskGuard, located
 from ..files.replaced_file import Replacement, put_in_place
 from .layout import TIME, Axis, Constant, Layout, Series, Values

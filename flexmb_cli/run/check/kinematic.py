@@ -51,8 +51,8 @@ def _diagnose(report: CheckReport, mechanism: Mechanism, jacobian: str | None) -
 
 def _assemble(report: CheckReport, mechanism: Mechanism, jacobian: str | None, equations: int) -> None:
     from ...solvers.kinematics.analysis import KinematicAnalysis
+    from ...solvers.kinematics.assembly import mobility
     from ...solvers.kinematics.position import KinematicSettings
-    from ...solvers.singular.mobility import mobility
 
     # Points take no part in what is looked at, and there may be a million of them.
     analysis = KinematicAnalysis(replace(mechanism, points=()), KinematicSettings(most_ranked=RANK_LIMIT))

@@ -58,7 +58,8 @@ def _counts(tree: Tree) -> dict[str, int]:
 
 
 def _evaluate_start(report: CheckReport, findings: TreeFindings, tree: Tree) -> None:
-    from ...solvers.tree.analysis import GO_ON, TreeAnalysis
+    from ...solvers.tree.analysis import TreeAnalysis
+    from ...solvers.tree.steps import GO_ON
 
     start = tree.time.start
     analysis = TreeAnalysis(replace(tree, time=TimeGrid(start, start, tree.time.step)))

@@ -15,7 +15,7 @@ from ..energy_drift import ConstrainedDrift, StepCount
 from ..error_estimate import finer_motion, nothing_to_refine
 from ..outcome import Run, RunOptions
 from ..python_options import set_tolerances
-from ..solution import Solution
+from . import Solution
 
 if TYPE_CHECKING:
     from ...solvers.constrained.young_dynamics import ForwardDynamics

@@ -16,7 +16,7 @@ from ..energy_drift import ConstrainedDrift, StepCount
 from ..error_estimate import finer_motion
 from ..outcome import Run
 from ..python_options import set_tolerances
-from ..solution import Solution
+from . import Solution
 
 TOO_COARSE = (
     "too coarse a tolerance (card INTG), or steps of GALF that are too long (card TIME) or damp too much (a "

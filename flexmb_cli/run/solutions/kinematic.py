@@ -11,7 +11,7 @@ from ...solvers.kinematics.analysis import KinematicAnalysis
 from ...solvers.kinematics.position import KinematicSettings
 from ..error_estimate import nothing_to_refine
 from ..outcome import Run
-from ..solution import NoCount, Solution
+from . import NoCount, Solution
 
 if TYPE_CHECKING:
     import numpy as np

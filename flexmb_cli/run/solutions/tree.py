@@ -15,7 +15,7 @@ from ...solvers.tree.points import point_motion, point_names
 from ..energy_drift import EnergyDrift, StepCount
 from ..error_estimate import FINER, finer, why_no_estimate
 from ..outcome import ABSOLUTE, Run
-from ..solution import Solution
+from . import Solution
 
 if TYPE_CHECKING:
     import numpy as np

@@ -1,26 +1,19 @@
 """Motion of a constrained mechanism through its report times, block by block; what all dialects share."""
 
-from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...errors import Fault
 from ...kernels.constrained.accelerations import evaluate_jacobian, factorise_order
 from ...kernels.constrained.angle_unwrapping import EXPECTED, NEW, OLD, fill_angles
 from ...kernels.constrained.projection import project_position, project_speeds
 from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
 from ...kernels.integrators import clock as codes
-from ...model.arrays.system import SystemArrays
 from ...model.equations import DEPENDENT
-from ...model.integrators import Integrator
-from ...model.joint_elements import JointElements
-from ...model.laws import Element
-from ...model.loads import InitialVelocity
-from ...model.mechanism import TimeGrid
 from ..assembly import TO_GAP
 from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of, taken, taken_clock
 from ..singular.dynamic_singularities import PassedDynamicSingularities, is_singular
@@ -30,84 +23,29 @@ from .breakpoints import breakpoints, jumps_of_accelerations, warn_of_fine_table
 from .elements_at_start import notes_of_pressed_elements, refuse_coinciding_ends
 from .failures import force_failure, note_undetermined_rows, repetition, rows_with_forces, step_failure
 from .first_position import assemble
-from .integrators import Steps
 from .start import order_of_elimination, start_speeds
-from .system import PositionGaps, blank_report, constrained_system, new_work, starts_sparse
+from .state import ConstrainedState
+from .system import PositionGaps, blank_report, starts_sparse
 
 if TYPE_CHECKING:
     from ...model.joint_elements import JointDriver
     from ..linearisation.terms import Terms
 
 
-NO_ELEMENTS = JointElements()
 CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
 FEW_EVALUATIONS = 1  # the same where the choice of equations has to be looked at
 WORN_CHOICE = 0.7  # least singular value of the equations chosen, of that when they were
 LARGEST_BLOCK = 256  # rows
 
 
-class ConstrainedMotion(ABC):
-    """One run over the times of `grid`; `integrator`: one of `integrators`, by default the explicit one.
+class ConstrainedMotion(ConstrainedState):
+    """One run over the times of `grid`."""
 
-    The subclass for a model gives what is abstract here, the `velocities` behind `given_speeds`, and
-    `springs` of the deck.  `warnings` fills while the run continues;
-    `found` is what `start` found.
-    """
-
-    velocities: Sequence[InitialVelocity] = ()
-    springs: Sequence[Element] = ()
     singularities: PassedDynamicSingularities  # see `rows`
-    omega_in_body_axes = False
-    usual_words = "planar mechanism of spatial joints", "3 a loop"  # of `usual_repetitions`
-
-    def __init__(
-        self,
-        arrays: SystemArrays,
-        grid: TimeGrid,
-        integrator: Integrator,
-        elements: JointElements = NO_ELEMENTS,
-    ):
-        self.arrays, self.elements = arrays, elements
-        self.first_angles = arrays.angles  # near which those of the first position are, rad
-        self.works = len(arrays.loads) if elements else 0  # loads whose works are kept
-        self.grid = grid
-        self.integrator = Steps(integrator)
-        self.dependent = DEPENDENT  # singular values, of the largest, of equations that repeat others
-        self.system = constrained_system(arrays)
-        self.work = new_work(arrays)
-        self.warnings: list[Fault] = []
-        self.found: Mobility | None = None
-        self.row, self.resumed = 0, False
-        self.undetermined: list[float] = []  # times of rows without constraint forces, s
-        self._first = np.zeros(0)  # coordinates at the start
-        self.loop_note: Fault | None = None  # on loops that close only nearly
-        self._independence = 0.0  # of the equations when chosen, where loops close only nearly
-        coordinates, n = arrays.coordinate_scale.size, arrays.speeds
-        self.integration = self.integrator.new_integration(self.work, arrays.angles.size, self.works)
-        self.integration.units[:coordinates] = arrays.coordinate_scale
-        self.integration.units[coordinates : coordinates + n] = arrays.speed_scale
-        self.clock = self.integration.clock
-        self.clock["rtol"] = self.clock["atol"] = integrator.tolerance
-
-    @abstractmethod
-    def assembled(self, t: float) -> np.ndarray:
-        """Coordinates (n + b,) at time t, s, that meet all equations; raises AnalysisError."""
-
-    @abstractmethod
-    def given_speeds(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return which of the speeds (n,) the deck gives, and their values (n,)."""
 
     @abstractmethod
     def block(self, report: Report) -> Any:
         """The rows of a report in the terms of the model."""
-
-    def usual_repetitions(self, q: np.ndarray) -> int | None:
-        """Number of equations that repeat others in every mechanism of this type; None: of no such type."""
-        return None
-
-    def given_rates(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[Any, ...]]:
-        """Rows (r, n) on speeds, right-hand sides (r,) and names of equations that hold at the start only."""
-        return np.zeros((0, self.arrays.speeds)), np.zeros(0), ()
 
     def rows(self) -> Iterator[Any]:
         """Yield the report rows in blocks.
@@ -264,16 +202,6 @@ class ConstrainedMotion(ABC):
             self.warnings.append(repetition(found, self.usual_repetitions(q), *self.usual_words))
         warn_of_fine_tables(self)
         return found
-
-    @property
-    def gaps(self) -> PositionGaps:
-        """Residuals and Jacobians of the equations, by the work of the integration."""
-        return PositionGaps(self.arrays, self.system, self.work)
-
-    @property
-    def starts_sparse(self) -> bool:
-        """Return whether the start takes sparse matrices."""
-        return self.dependent == DEPENDENT and starts_sparse(self.arrays)
 
     def first_position(
         self, t: float, tolerance: float, start: np.ndarray, *, estimates: bool = False

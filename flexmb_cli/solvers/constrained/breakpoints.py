@@ -11,15 +11,15 @@ from ...model.arrays.records import ELEMENT, FRICTION
 from ...model.laws import MOTOR, SPRING
 from ...model.time_functions import COMPOUND, PIECEWISE
 from ..table_times import jump_at, times_between
+from .state import ConstrainedState
 
 if TYPE_CHECKING:
     from ...kernels.constrained.system import System
-    from .analysis import ConstrainedMotion
 
 JUMP_OF_SECOND_RATE = 1e-6  # of the largest second rate of a function at its corners: more is no round-off
 
 
-def breakpoints(motion: "ConstrainedMotion", end: float) -> list[float]:
+def breakpoints(motion: ConstrainedState, end: float) -> list[float]:
     """Return points of tables before `end`, s, at which steps end.
 
     What a table does between two steps of any length would be stepped over, and no method keeps its
@@ -31,7 +31,7 @@ def breakpoints(motion: "ConstrainedMotion", end: float) -> list[float]:
     return times_between(corners | set(_rows_of_work(motion)), motion.grid.start, end)
 
 
-def _rows_of_work(motion: "ConstrainedMotion") -> list[float]:
+def _rows_of_work(motion: ConstrainedState) -> list[float]:
     """Report times, at which steps end where nothing is free to move and an effort bends or jumps.
 
     The motion has no error that would shorten the steps; the work of stops, cables and friction has.
@@ -43,7 +43,7 @@ def _rows_of_work(motion: "ConstrainedMotion") -> list[float]:
     return [motion.grid.time(k) for k in range(motion.grid.rows)]
 
 
-def jump_of_table(motion: "ConstrainedMotion", t: float) -> str:
+def jump_of_table(motion: ConstrainedState, t: float) -> str:
     """Return what `jump_at` says of the tables of a motion."""
     return jump_at((times.tolist() for times in _tables(motion.system)), t)
 
@@ -54,7 +54,7 @@ def _tables(system: "System") -> list[np.ndarray]:
     return [times for times in found if times.size]
 
 
-def warn_of_fine_tables(motion: "ConstrainedMotion") -> None:
+def warn_of_fine_tables(motion: ConstrainedState) -> None:
     """Steps of given length end where they end, whatever a table does between."""
     apart = (float(np.diff(times).min()) for times in _tables(motion.system) if times.size > 1)
     finest = min(apart, default=np.inf)
@@ -67,7 +67,7 @@ def warn_of_fine_tables(motion: "ConstrainedMotion") -> None:
         motion.warnings.append(Fault("warning", message, id="SOLVE-003"))
 
 
-def jumps_of_accelerations(motion: "ConstrainedMotion") -> frozenset[float]:
+def jumps_of_accelerations(motion: ConstrainedState) -> frozenset[float]:
     """Return the times, s, at which the second rate of a driver jumps, as where its rate is a ramp."""
     system, work = motion.system, motion.work
     rows = work.jacobian.shape[0] - system.bodies.shape[0]

@@ -1,6 +1,6 @@
 """Failures of the integration of a mechanism, and messages about redundant equations."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -26,11 +26,7 @@ from ..singular.dynamic_singularities import (
 from ..singular.mobility import Gap, Mobility, about
 from .breakpoints import jump_of_table
 from .start import inertia_failure
-
-if TYPE_CHECKING:
-    from .analysis import ConstrainedMotion
-    from .young_dynamics import ForwardDynamics
-
+from .state import ConstrainedState
 
 SHOWN_OWNERS = 6
 SHOWN_TIMES = 10
@@ -44,7 +40,7 @@ MOMENTS = (1e-9, 1e-7, 1e-5)  # of a run: how far behind the state loads without
 
 
 def step_failure(analysis: Any, answer: int) -> AnalysisError:
-    """Return why a ConstrainedMotion could make no step."""
+    """Return why a ConstrainedState could make no step."""
     clock = analysis.clock[0]
     t, step = float(clock["t"]), float(clock["step"])
     norms = {"reached": t, "step": step}
@@ -83,7 +79,7 @@ def _is_without_forces_ahead(analysis: Any, t: float) -> bool:
     return any(not _has_forces(analysis, t, share * span) for share in MOMENTS)
 
 
-def _has_forces(analysis: "ForwardDynamics", t: float, ahead: float = 0.0) -> bool:
+def _has_forces(analysis: ConstrainedState, t: float, ahead: float = 0.0) -> bool:
     """Return whether all loads have forces at the state that the steps have reached, or so much later, s."""
     work, ud = analysis.work, np.zeros(analysis.arrays.speeds)
     work.angles[:] = analysis.integration.angles[NEW]
@@ -100,7 +96,7 @@ def rows_with_forces(responses: np.ndarray) -> int:
     return int(known.size if known.all() else np.argmin(known))
 
 
-def force_failure(analysis: "ConstrainedMotion", responses: np.ndarray, t: float) -> AnalysisError:
+def force_failure(analysis: ConstrainedState, responses: np.ndarray, t: float) -> AnalysisError:
     """Return why loads (responses, (loads, columns)) have no force at t: a bushing, else friction."""
     turned = _overturned(analysis, responses)
     return (
@@ -108,7 +104,7 @@ def force_failure(analysis: "ConstrainedMotion", responses: np.ndarray, t: float
     )
 
 
-def _overturned(analysis: "ConstrainedMotion", responses: np.ndarray) -> np.ndarray:
+def _overturned(analysis: ConstrainedState, responses: np.ndarray) -> np.ndarray:
     """Return which loads are bushings whose bodies have turned too far."""
     elements = analysis.arrays.loads["kind"] == ELEMENT
     return np.flatnonzero(elements & ~np.isfinite(responses[:, COORDINATE]))
@@ -133,7 +129,7 @@ def jam_failure(t: float) -> AnalysisError:
     return AnalysisError(Fault("error", message, None, "friction", id="SOLVE-038"), t)
 
 
-def _why_steps_fall(analysis: "ForwardDynamics", norms: dict[str, float]) -> tuple[Any, Any]:
+def _why_steps_fall(analysis: ConstrainedState, norms: dict[str, float]) -> tuple[Any, Any]:
     """The reason in words, and the equations it lies in; the condition goes into `norms`."""
     condition, owners = weakest_of_speeds(analysis, analysis.integration.z)
     norms["condition"] = condition
@@ -161,7 +157,7 @@ def _why_steps_fall(analysis: "ForwardDynamics", norms: dict[str, float]) -> tup
     )
 
 
-def _remedies(analysis: "ForwardDynamics") -> str:
+def _remedies(analysis: ConstrainedState) -> str:
     """The remedies where forces are too stiff for the method in use, which is none of them."""
     methods = " or ".join(card for card in IMPLICIT if card != analysis.integrator.card)
     creep = ", or a larger creep speed" if np.any(analysis.arrays.loads["kind"] == FRICTION) else ""
@@ -195,7 +191,7 @@ def repetition(found: Mobility, usual: int | None, kind: str, each: str) -> Faul
     return about("warning", message, *placed, id="SOLVE-048")
 
 
-def note_undetermined_rows(analysis: "ConstrainedMotion", report: Report) -> None:
+def note_undetermined_rows(analysis: ConstrainedState, report: Report) -> None:
     """Note the times of all rows so far, those of a report among them, that round-off rules."""
     times, warnings = analysis.undetermined, analysis.warnings
     found = report.times[np.isnan(report.multipliers).any(axis=1)].tolist()

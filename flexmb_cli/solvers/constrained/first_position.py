@@ -116,7 +116,7 @@ def _apart(
         if equation.part == "distance" and (length := links.get(equation.owner, 0.0)):
             # (d² - L²)/(2 L) is the gap of nearly closed links only.
             residual[k] = math.sqrt(max(0.0, length * (length + 2.0 * residual[k]))) - length
-    worst = worst_gaps(gaps, np.where(np.abs(residual) > limits, residual / arrays.row_scale, 0.0))
+    worst = worst_gaps(gaps.arrays, np.where(np.abs(residual) > limits, residual / arrays.row_scale, 0.0))
     if not worst:
         return
     where, remedy = what

@@ -6,7 +6,7 @@ Of many bodies both are found by sparse matrices.
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -23,18 +23,16 @@ from ...model.joints import ANGLE
 from ...model.loads import InitialVelocity
 from ...model.mechanism import Joint
 from ...model.vectors import rotation_matrix
-from ..projection import RESIDUAL_MET
+from ..projection import RESIDUAL_MET, shortest_correction
 from ..singular.mobility import NAMED, Mobility, about, dense_mobility
 from ..singular.overconstrained_loops import choose_far_apart
-from ..singular.sparse_rank import order_of_pivots, shortest_correction, sparse_mobility
+from ..singular.sparse_rank import order_of_pivots, sparse_mobility
 from .rows import body_axes, global_axes
+from .state import ConstrainedState
 from .system import dense_jacobian, sparse_jacobian
 
-if TYPE_CHECKING:
-    from .analysis import ConstrainedMotion
 
-
-def order_of_elimination(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> Mobility:
+def order_of_elimination(analysis: ConstrainedState, q: np.ndarray, t: float) -> Mobility:
     """Choose the independent equations at q (n + b,), and which repeat others.
 
     Improves q to round-off on the way; of a large mechanism it leaves q as it is, and no factors.
@@ -59,7 +57,7 @@ def _of_one_attitude(group: tuple[Equation, ...]) -> bool:
     return "e0" in parts and parts <= {"e0", "e1", "e2", "e3"}
 
 
-def inertia_failure(analysis: "ConstrainedMotion", t: float) -> AnalysisError:
+def inertia_failure(analysis: ConstrainedState, t: float) -> AnalysisError:
     """Some motion that the constraints leave free has no mass or inertia to resist it."""
     work, scale = analysis.work, analysis.arrays.speed_scale
     free = work.motions.shape[0] - int(work.rank[0])
@@ -157,7 +155,7 @@ MASSLESS = 1e-13  # eigenvalue of the scaled mass matrix, of the largest
 WEIGHTLESS = 1e-7  # singular value, of the largest: the root of a mass matrix keeps no smaller one
 
 
-def start_speeds(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> np.ndarray:
+def start_speeds(analysis: ConstrainedState, q: np.ndarray, t: float) -> np.ndarray:
     """Return speeds (n,) that fit the constraints: those given as nearly as can be, the others smallest.
 
     Given speeds u* that fit are kept.  Otherwise the mass-weighted projection (u - u*)ᵀ M (u - u*) → min
@@ -200,7 +198,7 @@ def start_speeds(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> np.n
 
 
 def _speeds_of_many(
-    analysis: "ConstrainedMotion",
+    analysis: ConstrainedState,
     q: np.ndarray,
     rates: np.ndarray,
     nu: np.ndarray,
@@ -331,9 +329,7 @@ def _refuse_contradiction(
     raise ModelError([about("error", message, worst, id="SOLVE-051")])
 
 
-def _changes(
-    analysis: "ConstrainedMotion", u: np.ndarray, wanted: np.ndarray, given: np.ndarray
-) -> np.ndarray:
+def _changes(analysis: ConstrainedState, u: np.ndarray, wanted: np.ndarray, given: np.ndarray) -> np.ndarray:
     """Return by how much the given speeds are changed, scaled (n,); 0 where they are kept."""
     scale = analysis.arrays.speed_scale
     change = np.abs(u - wanted) / scale * given
@@ -341,9 +337,7 @@ def _changes(
     return np.where(change > FITS * max(largest, FITS), change, 0.0)
 
 
-def _warn_of_change(
-    analysis: "ConstrainedMotion", u: np.ndarray, wanted: np.ndarray, given: np.ndarray
-) -> None:
+def _warn_of_change(analysis: ConstrainedState, u: np.ndarray, wanted: np.ndarray, given: np.ndarray) -> None:
     change = _changes(analysis, u, wanted, given)
     for item in analysis.velocities:
         own = slice(6 * item.body, 6 * item.body + 6)
@@ -352,7 +346,7 @@ def _warn_of_change(
             analysis.warnings.append(Fault("warning", message, item.place, item.name, id="SOLVE-008"))
 
 
-def _shown(analysis: "ConstrainedMotion", u: np.ndarray, item: InitialVelocity) -> str:
+def _shown(analysis: ConstrainedState, u: np.ndarray, item: InitialVelocity) -> str:
     p = analysis.integration.z[7 * item.body + 3 : 7 * item.body + 7]
     angular = u[3:] if analysis.omega_in_body_axes else global_axes(p, u[3:])
     return "velocity ({:.6g}, {:.6g}, {:.6g}) m/s, angular ({:.6g}, {:.6g}, {:.6g}) rad/s".format(

@@ -1,15 +1,11 @@
 """Kinematic analysis of a mechanism: rows of positions, velocities and accelerations, block by block."""
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ...errors import AnalysisError, Fault
-from ...kernels.kinematics import continuation
-from ...kernels.kinematics.continuation import BUDGET, CLOCK_SIZE, TIME
-from ...kernels.kinematics.newton import SparseWork, make_sparse_work
-from ...model.arrays.kinematic import KinematicArrays, kinematic_arrays
+from ...errors import AnalysisError
+from ...kernels.kinematics.continuation import BUDGET
 from ...model.mechanism import Mechanism
 from ..assembly import NEARER, Sized, is_closed
 from ..checkpoint import faults_reported, reported, row_of, taken
@@ -20,60 +16,38 @@ from ..singular.kinematic_singularities import (
     singular_start,
     step_failure,
 )
-from ..singular.mobility import Mobility, mobility, moves_freely
+from ..singular.mobility import Mobility, moves_freely
 from .assembly import (
     assemble_by_search,
     assembly_failure,
     free_motion_error,
+    mobility,
     redundancy_warning,
     sized_equations,
     too_large_to_rank,
 )
 from .driver_axes import keeps_axis, refuse_contradicted_drive, refuse_off_axis_drive
 from .joint_motion import JointMotion, WholeTurns
-from .position import Evaluator, KinematicSettings, kinematic_system, with_dependent_columns
+from .position import KinematicSettings, with_dependent_columns
 from .rows import Rows, first_rows, joined_rows, rows_of
+from .state import KinematicState
 
-KINEMATIC_CALL_WORK = 2_000_000  # steps x equations² handed to the kernel at a time
-DENSE_ELIMINATION = 140  # equations: above, only entries other than zero are kept
 LARGEST_BLOCK = 1024  # rows
-MOST_STEPS_A_ROW = 5000
 START_ASIDE = 1e-3  # of the time between rows: a start that is singular is no longer so
 
 
-class KinematicAnalysis:
+class KinematicAnalysis(KinematicState):
     """One run over the report times of a mechanism.
 
     `warnings` fills while the run continues.
     """
 
     def __init__(self, mechanism: Mechanism, settings: KinematicSettings | None = None):
-        self.mechanism = mechanism
-        self.arrays: KinematicArrays = kinematic_arrays(mechanism)
-        self.settings = settings or KinematicSettings()
-        self.system = kinematic_system(self.arrays, self.settings)
-        self.warnings: list[Fault] = []
+        super().__init__(mechanism, settings)
         self.singularities = PassedKinematicSingularities(self)
-        self._sparse: SparseWork | None = None
-        self._left_out: tuple[tuple[int, ...], tuple[int, ...]] = (), ()
         self.row = 0  # of the next block
         self.joints = JointMotion(mechanism)
         self.turns = WholeTurns(self.joints.turning)
-        self._restart(self.arrays.q)
-
-    def _restart(self, q: np.ndarray) -> None:
-        """Begin at the estimates q, which are assembled by the first step (a step of 0)."""
-        self.state = np.zeros((3, q.size))
-        self.state[0] = q
-        self.motion = np.zeros((self.arrays.screw_angles.size, 3))
-        self.motion[:, 0] = self.arrays.screw_angles
-        self.clock = np.zeros(CLOCK_SIZE)
-        self.clock[TIME] = self.mechanism.time.time(0)
-
-    @property
-    def evaluator(self) -> Evaluator:
-        """Residuals and Jacobians of this mechanism."""
-        return Evaluator.of(self.arrays, self.system)
 
     def rows(self) -> Iterator[Rows]:
         """Yield the report rows in blocks.
@@ -167,51 +141,10 @@ class KinematicAnalysis:
     def _row_across(self, row: int, memory: tuple[np.ndarray, np.ndarray, np.ndarray]) -> Rows | None:
         """The report row, if it stands where two motions cross; else the continuation stays where it was."""
         kept = self.state, self.motion, self.clock
-        found = row_across(self, self.mechanism.time.time(row), memory)
+        found = row_across(self.singularities, self.mechanism.time.time(row), memory)
         if found is None:
             self.state, self.motion, self.clock = kept
         return found
-
-    def _at_once(self, most: int) -> int:
-        """Return how many steps or rows the kernel is given at a time: an interrupt waits for them."""
-        n = self.arrays.q.size
-        return int(min(max(KINEMATIC_CALL_WORK / (n * min(n, DENSE_ELIMINATION)), 1), most))
-
-    @property
-    def steps_at_once(self) -> int:
-        """Return how many steps the kernel is given at a time."""
-        return self._at_once(MOST_STEPS_A_ROW)
-
-    @property
-    def _budget(self) -> int:
-        """Attempts of a call; that the way is barred shows in what is left, and an assembly takes one."""
-        return self.steps_at_once + 1
-
-    def follower(self) -> Callable[..., Any]:
-        """The continuation of this mechanism, by dense or by sparse factors: see `continuation.follow`."""
-        if not self.arrays.q.size > DENSE_ELIMINATION:
-            return lambda *arguments: continuation.follow(self.system, *arguments)
-        if self._sparse is None:
-            self._sparse = make_sparse_work(self.system, *self._left_out)
-        return lambda *arguments: continuation.follow_sparse(self.system, self._sparse, *arguments)
-
-    def carry(
-        self,
-        follow: Callable[..., Any],
-        state: np.ndarray,
-        motion: np.ndarray,
-        clock: np.ndarray,
-        t: float,
-        attempts: int | None = None,
-    ) -> bool:
-        """Move state, motion and clock to the time t, or by so many attempts at a step; whether there."""
-        out, audit = np.empty((1, *state.shape)), np.empty((1, 3))
-        while clock[TIME] < t:
-            clock[BUDGET] = attempts or self._budget
-            follow(state, motion, clock, np.array([t]), out, audit)
-            if attempts or clock[BUDGET] > 0.0:
-                break
-        return bool(clock[TIME] >= t)
 
     def _follow(self, times: np.ndarray, out: np.ndarray, audit: np.ndarray) -> int:
         """Fill rows until all are reached or the way is barred; returns how many were."""

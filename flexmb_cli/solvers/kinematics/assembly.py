@@ -15,7 +15,16 @@ from ...model.equations import DEPENDENT, Equation
 from ...model.joints import JOINT_TYPES
 from ..assembly import DAMPINGS, Sized, is_closed, nearest_of
 from ..projection import Corrections, Instant, Position, improving, project
-from ..singular.mobility import Gap, Mobility, about, gap_norms, motion_text, worst_gaps
+from ..singular.mobility import (
+    MOST_DENSE,
+    Gap,
+    Mobility,
+    about,
+    dense_mobility,
+    gap_norms,
+    motion_text,
+    worst_gaps,
+)
 from .position import Evaluator, Poses
 
 if TYPE_CHECKING:
@@ -173,7 +182,7 @@ def assembly_failure(
     `gap` (m,): scaled residual.  `estimates`: coordinates of the deck and the angles of screws there, where a
     slip may show.
     """
-    worst = worst_gaps(evaluator, gap)
+    worst = worst_gaps(evaluator.arrays, gap)
     wide, rest = wide_estimates(evaluator, estimates[0], t, estimates[1]) if estimates else ([], 0.0)
     left = "; ".join(one.text for one in worst) or "no gap is left, but the position is singular"
     message = (
@@ -222,3 +231,17 @@ def _group(equations: tuple[Equation, ...], most: int = 6) -> str:
     names = [e.name for e in equations[:most]]
     more = f" and {len(equations) - most} more" if len(equations) > most else ""
     return "one of " + ", ".join(names) + more if len(equations) > 1 else names[0]
+
+
+def mobility(evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray) -> Mobility:
+    """Rank analysis of the scaled Jacobian at an assembled position q (7 n,), by singular values.
+
+    Of large mechanisms by elimination, which finds the same groups in time and memory of their size.
+    """
+    evaluator.residual(q, t, expected)
+    if q.size > MOST_DENSE:
+        from ..singular.sparse_rank import order_of_pivots, sparse_mobility
+
+        matrix, name = evaluator.sparse_matrix(q), evaluator.arrays.coordinate_name
+        return sparse_mobility(matrix, *order_of_pivots(matrix), evaluator.arrays.equations, name)
+    return dense_mobility(evaluator.jacobian(q), evaluator.arrays.equations, evaluator.arrays.coordinate_name)

@@ -16,8 +16,7 @@ from ...errors import AnalysisError, Fault, ModelError
 from ...model.arrays.kinematic import kinematic_arrays
 from ...model.mechanism import Driver, Mechanism
 from ..projection import RESIDUAL_MET
-from ..singular.mobility import mobility
-from .assembly import assemble_by_search
+from .assembly import assemble_by_search, mobility
 from .position import Evaluator, KinematicSettings, kinematic_system
 from .rows import Rows, twice_g
 

@@ -13,9 +13,10 @@ from ...model.driver_angles import LARGEST_ANGLE
 from ...model.joints import DRIVER
 from ..assembly import NEAR, displacements
 from ..singular.kinematic_singularities import FEW
-from .analysis import DENSE_ELIMINATION, KinematicAnalysis
+from .analysis import KinematicAnalysis
 from .driver_axes import on_axes
 from .rows import Rows, rows_of
+from .state import DENSE_ELIMINATION
 
 ATTEMPTS_A_ROW = 4  # steps to a row beyond which a motion is not plain
 

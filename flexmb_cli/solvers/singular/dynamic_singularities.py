@@ -15,6 +15,7 @@ from ...kernels.constrained.accelerations import evaluate_jacobian
 from ...kernels.constrained.speeds import move
 from ...model.equations import DEPENDENT, Equation
 from ..checkpoint import OtherRun, taken
+from ..constrained.state import ConstrainedState
 from ..constrained.system import PositionGaps, dense_jacobian, is_large, new_work, sparse_jacobian
 from ..projection import Corrections, Instant, project
 from .conditioning import (
@@ -31,8 +32,6 @@ from .sparse_rank import order_of_pivots, sparse_conditioning
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-    from ..constrained.analysis import ConstrainedMotion
-
 
 SINGULAR_CONDITION = 1e4  # condition; mechanisms have 10 to 1000
 CROSSED = 1e5  # condition
@@ -40,9 +39,7 @@ BESIDE = 1e-5  # of the length scale, rad
 MOST_REPORTED = 6
 
 
-def conditioning_of_speeds(
-    analysis: "ConstrainedMotion", jacobian: "np.ndarray | csr_matrix"
-) -> Conditioning:
+def conditioning_of_speeds(analysis: ConstrainedState, jacobian: "np.ndarray | csr_matrix") -> Conditioning:
     """Return the conditioning of a scaled Jacobian (m, n) on speeds, by the rank that the analysis counts."""
     rank = max(1, int(analysis.work.rank[0]))
     if isinstance(jacobian, np.ndarray):
@@ -50,8 +47,8 @@ def conditioning_of_speeds(
     return sparse_conditioning(jacobian, np.sort(analysis.work.order[:rank]))
 
 
-def weakest_of_speeds(analysis: "ConstrainedMotion", state: np.ndarray) -> tuple[float, list[Equation]]:
-    """Condition of the independent equations of a ConstrainedMotion at a state (N,), and the weakest ones.
+def weakest_of_speeds(analysis: ConstrainedState, state: np.ndarray) -> tuple[float, list[Equation]]:
+    """Condition of the independent equations of a ConstrainedState at a state (N,), and the weakest ones.
 
     The condition is the largest over the last singular value that is counted in the rank.
     """
@@ -69,8 +66,8 @@ def weakest_of_speeds(analysis: "ConstrainedMotion", state: np.ndarray) -> tuple
     return weak.condition, weakest_owners(analysis.arrays.equations, weak.combination, MOST_REPORTED)
 
 
-def is_singular(analysis: "ConstrainedMotion", q: np.ndarray, start: np.ndarray) -> bool:
-    """Return whether two motions of a ConstrainedMotion cross near q (n + b,), its joints sound at the start.
+def is_singular(analysis: ConstrainedState, q: np.ndarray, start: np.ndarray) -> bool:
+    """Return whether two motions of a ConstrainedState cross near q (n + b,), its joints sound at the start.
 
     So near to it in time a mere lock is further from losing a rank, by the square root.
     """
@@ -83,7 +80,7 @@ def is_singular(analysis: "ConstrainedMotion", q: np.ndarray, start: np.ndarray)
     return here > max(CROSSED, NEARLY_SINGULAR * usual)
 
 
-def rank_at(analysis: "ConstrainedMotion", r: np.ndarray, p: np.ndarray) -> int:
+def rank_at(analysis: ConstrainedState, r: np.ndarray, p: np.ndarray) -> int:
     """Return the rank at rigid bodies' origins r (bodies, 3), m, and Euler parameters p (bodies, 4)."""
     jacobian = analysis.gaps.jacobian(np.hstack([r, p]).ravel())
     if not isinstance(jacobian, np.ndarray):
@@ -92,8 +89,8 @@ def rank_at(analysis: "ConstrainedMotion", r: np.ndarray, p: np.ndarray) -> int:
     return int(np.sum(values > DEPENDENT * values.max(initial=0.0)))
 
 
-def has_gained_rank(analysis: "ConstrainedMotion") -> bool:
-    """Return whether equations that repeated others at the start of a ConstrainedMotion no longer do."""
+def has_gained_rank(analysis: ConstrainedState) -> bool:
+    """Return whether equations that repeated others at the start of a ConstrainedState no longer do."""
     evaluate_jacobian(
         analysis.system, analysis.work, analysis.integration.z[: analysis.arrays.coordinate_scale.size].copy()
     )
@@ -104,8 +101,8 @@ def has_gained_rank(analysis: "ConstrainedMotion") -> bool:
     return bool(len(values) > rank and values[rank] > values[0] / SINGULAR_CONDITION**2)
 
 
-def repeating_here_only(analysis: "ConstrainedMotion") -> list[Equation]:
-    """Equations that repeat others at the state of a ConstrainedMotion and not beside it, one of each owner.
+def repeating_here_only(analysis: ConstrainedState) -> list[Equation]:
+    """Equations that repeat others at the state of a ConstrainedState and not beside it, one of each owner.
 
     Beside it is a small part of some motion that all equations allow: where equations go on repeating
     others, as in planar loops, it leaves their rank as it was to second order.  Not looked for in large
@@ -143,14 +140,14 @@ class Row(NamedTuple):
 
 
 class PassedDynamicSingularities(PassedSingularities):
-    """Looks for singular positions between the report rows of a ConstrainedMotion.
+    """Looks for singular positions between the report rows of a ConstrainedState.
 
     They are sought on the straight line of coordinates between two rows, brought back to the equations.
     """
 
     most_reported = MOST_REPORTED
 
-    def __init__(self, analysis: "ConstrainedMotion"):
+    def __init__(self, analysis: ConstrainedState):
         arrays = analysis.arrays
         work = len(arrays.equations) * arrays.speeds * min(len(arrays.equations), arrays.speeds)
         small = 0 < work <= MOST_WORK and not is_large(arrays)

@@ -10,7 +10,7 @@ positions, velocities and accelerations a little before and a little after.
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -21,14 +21,11 @@ from ...model.equations import Equation
 from ..kinematics.assembly import nearest_position
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import Rows, rows_of
+from ..kinematics.state import KinematicState
 from ..projection import RESIDUAL_MET, Corrections, Instant, project
 from .conditioning import NEARLY_SINGULAR, Conditioning, conditioning, conditioning_text, weakest_joints
 from .mobility import about, gap_norms, worst_gaps
 from .singularity_search import Passed, PassedSingularities
-
-if TYPE_CHECKING:
-    from ..kinematics.analysis import KinematicAnalysis
-
 
 # Iterations of a row that are many where others take few, and many anywhere.  A bifurcation takes ten or
 # more.
@@ -44,12 +41,12 @@ Memory = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 class PassedKinematicSingularities(PassedSingularities):
-    """Watches the blocks of a KinematicAnalysis; notes go to its warnings.
+    """Watches the blocks of a KinematicState; notes go to its warnings.
 
     To be active only where no equations repeat others: there every position looks singular.
     """
 
-    def __init__(self, analysis: "KinematicAnalysis", active: bool = True):
+    def __init__(self, analysis: KinematicState, active: bool = True):
         super().__init__(analysis.warnings, analysis.arrays.equations, active)
         self.analysis = analysis
 
@@ -143,12 +140,13 @@ FIRM = Corrections(met=0.0, most=1, dependent=1e-6, hopeless=ON_CURVE)
 
 
 def row_across(
-    analysis: "KinematicAnalysis", t: float, memory: tuple[np.ndarray, np.ndarray, np.ndarray]
+    watch: PassedKinematicSingularities, t: float, memory: tuple[np.ndarray, np.ndarray, np.ndarray]
 ) -> Rows | None:
-    """The row at t of a KinematicAnalysis that was barred there, None where no smooth motion goes through.
+    """The row at t where the analysis was barred, which `watch` notes; None if no smooth motion crosses.
 
     `memory`: state, motion and clock at an earlier time.  The analysis then stands a little behind t.
     """
+    analysis = watch.analysis
     before, after = _times(analysis, t, float(memory[2][TIME]))
     if not before < t < after:
         return None
@@ -166,13 +164,13 @@ def row_across(
     gap = _closed(analysis.evaluator, row, t, expected)
     if gap > ON_CURVE:
         return None
-    analysis.singularities.report(Passed(row[0], t, expected, True))
+    watch.report(Passed(row[0], t, expected, True))
     audit = np.array([[gap, _rate_gap(analysis, row, t), analysis.clock[SPENT]]])
     analysis.clock[SPENT], analysis.clock[NEXT_LENGTH] = 0.0, np.inf
     return rows_of(analysis.mechanism, np.array([t]), row[None], audit, analysis.joints.of)
 
 
-def _times(analysis: "KinematicAnalysis", t: float, earlier: float) -> tuple[float, float]:
+def _times(analysis: KinematicState, t: float, earlier: float) -> tuple[float, float]:
     """Times at both sides of t, a short way off."""
     speed = np.max(np.abs(analysis.state[1]) / analysis.arrays.column_scale)
     step = analysis.mechanism.time.step
@@ -204,7 +202,7 @@ def _closed(evaluator: Evaluator, row: np.ndarray, t: float, expected: np.ndarra
     return float(np.max(np.abs(gap)))
 
 
-def _rate_gap(analysis: "KinematicAnalysis", row: np.ndarray, t: float) -> float:
+def _rate_gap(analysis: KinematicState, row: np.ndarray, t: float) -> float:
     """Largest rate of the constraints in the row, scaled."""
     evaluator, scale = analysis.evaluator, analysis.arrays
     evaluator.residual(row[0], t, analysis.motion[:, 0])
@@ -218,8 +216,8 @@ NUDGE = 0.05  # of the length scale, and of Euler parameters
 LATER = 1e-3  # of the time between rows: behind a dead centre
 
 
-def step_failure(analysis: "KinematicAnalysis", t: float) -> AnalysisError:
-    """The failure of `analysis` (a KinematicAnalysis) on its way to the report time t.
+def step_failure(analysis: KinematicState, t: float) -> AnalysisError:
+    """The failure of `analysis` (a KinematicState) on its way to the report time t.
 
     A gap that stays open at t is a lock; without a gap the mechanism passes a position at which its
     motion is not determined.
@@ -227,7 +225,7 @@ def step_failure(analysis: "KinematicAnalysis", t: float) -> AnalysisError:
     evaluator, reached = analysis.evaluator, float(analysis.clock[0])
     expected = analysis.motion[:, 0]
     gap = _least_gap(evaluator, analysis.state[0], t, expected)
-    worst = worst_gaps(evaluator, gap)
+    worst = worst_gaps(evaluator.arrays, gap)
     if worst:
         left = "; ".join(one.text for one in worst)
         message = (
@@ -256,12 +254,12 @@ def _least_gap(evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarr
     return min([gap, *others], key=lambda found: np.max(np.abs(found)))
 
 
-def _singular(analysis: "KinematicAnalysis", reached: Any, t: float) -> AnalysisError:
+def _singular(analysis: KinematicState, reached: Any, t: float) -> AnalysisError:
     """The failure at a singular position: a dead centre, behind which a gap remains, or a branching."""
     evaluator, q, expected = analysis.evaluator, analysis.state[0], analysis.motion[:, 0]
     weak = conditioning(evaluator, q, reached, expected)
     later = t + LATER * analysis.mechanism.time.step
-    worst = worst_gaps(evaluator, _least_gap(evaluator, q, later, expected), 1)
+    worst = worst_gaps(evaluator.arrays, _least_gap(evaluator, q, later, expected), 1)
     if worst:
         end = f"a dead centre: at t = {later:.6g} s a gap remains, {worst[0].text}"
     else:
@@ -274,7 +272,7 @@ def _singular(analysis: "KinematicAnalysis", reached: Any, t: float) -> Analysis
     return AnalysisError(about("error", message, *weakest_joints(evaluator, weak), id="SOLVE-057"), t, norms)
 
 
-def singular_start(analysis: "KinematicAnalysis", q: np.ndarray, t: float) -> AnalysisError:
+def singular_start(analysis: KinematicState, q: np.ndarray, t: float) -> AnalysisError:
     """The failure of an analysis whose first position q (7 n,) is a dead centre or a branching."""
     evaluator = analysis.evaluator
     weak = conditioning(evaluator, q, t, analysis.arrays.screw_angles)

@@ -2,20 +2,18 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...errors import Fault
+from ...model.arrays.kinematic import KinematicArrays
+from ...model.arrays.system import SystemArrays
 from ...model.by_size import by_size, first_of_largest
 from ...model.equations import DEPENDENT, Equation
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g
 from ..projection import RESIDUAL_MET, Corrections, Instant, project
-
-if TYPE_CHECKING:
-    from ..constrained.system import PositionGaps
-
 
 NAMED = 1e-6  # of the largest component of a null vector
 MOST_DENSE = 600  # coordinates or speeds; above, the rank is found by elimination
@@ -51,7 +49,7 @@ def about(severity: str, message: str, *owners: Equation, id: str) -> Fault:
 
 
 def worst_gaps(
-    evaluator: "Evaluator | PositionGaps", scaled_residual: np.ndarray, most: int = 3
+    arrays: KinematicArrays | SystemArrays, scaled_residual: np.ndarray, most: int = 3
 ) -> list[Gap]:
     """The owners with the largest scaled residuals (m,), worst first; those that are met are left out."""
     found: dict[str, Gap] = {}
@@ -59,12 +57,10 @@ def worst_gaps(
     # Least squares share a gap out among joints: those alike to some percent stay in the deck's order.
     rank = np.round(np.log10(np.maximum(size, RESIDUAL_MET)), 2)
     for row in np.argsort(-rank, kind="stable"):
-        equation = evaluator.arrays.equations[row]
+        equation = arrays.equations[row]
         if size[row] <= RESIDUAL_MET or len(found) == most:
             break
-        found.setdefault(
-            equation.owner, Gap(equation, scaled_residual[row] * evaluator.arrays.row_scale[row])
-        )
+        found.setdefault(equation.owner, Gap(equation, scaled_residual[row] * arrays.row_scale[row]))
     return list(found.values())
 
 
@@ -104,21 +100,6 @@ class Mobility:
     def dofs(self) -> int:
         """Motions that the equations leave open at this position."""
         return self.coordinates - self.rank
-
-
-def mobility(evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray) -> Mobility:
-    """Rank analysis of the scaled Jacobian at an assembled position q (7 n,), by singular values.
-
-    Of large mechanisms by elimination, which finds the same groups in time and memory of their size.
-    """
-    evaluator.residual(q, t, expected)
-    if q.size > MOST_DENSE:
-        # Here, because that module returns what is defined in this one.
-        from .sparse_rank import order_of_pivots, sparse_mobility
-
-        matrix, name = evaluator.sparse_matrix(q), evaluator.arrays.coordinate_name
-        return sparse_mobility(matrix, *order_of_pivots(matrix), evaluator.arrays.equations, name)
-    return dense_mobility(evaluator.jacobian(q), evaluator.arrays.equations, evaluator.arrays.coordinate_name)
 
 
 def dense_mobility(

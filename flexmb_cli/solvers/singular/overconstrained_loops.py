@@ -114,7 +114,7 @@ def independence(work: Work) -> float:
 
 def gap_note(gaps: PositionGaps, found: NearlyClosed, tolerance: float) -> Fault:
     """Return the note on a loop that closes within the tolerance only."""
-    worst = worst_gaps(gaps, found.gap)
+    worst = worst_gaps(gaps.arrays, found.gap)
     message = (
         f"a loop is overconstrained and closes only to {_size(worst)}, within {tolerance:.1e} (by the digits "
         "typed, or --loop-tolerance); equations that repeat others are left out, and the gap remains"
@@ -124,7 +124,7 @@ def gap_note(gaps: PositionGaps, found: NearlyClosed, tolerance: float) -> Fault
 
 def gap_error(gaps: PositionGaps, found: NearlyClosed, t: float, tolerance: float) -> AnalysisError:
     """Return the refusal of a loop that closes less well than the tolerance."""
-    worst = worst_gaps(gaps, found.gap)
+    worst = worst_gaps(gaps.arrays, found.gap)
     message = (
         f"at t = {t:.6g} s the mechanism cannot be assembled: a loop is overconstrained and closes only to "
         f"{_size(worst)}; the digits typed, or --loop-tolerance, allow {tolerance:.1e}: align its axes, "

@@ -11,6 +11,7 @@ import numpy as np
 from ...kernels.linalg.local_order import choose_local
 from ...model.by_size import by_size
 from ...model.equations import Equation
+from ..projection import saddle_point
 from .conditioning import Conditioning
 from .mobility import NAMED, Mobility
 
@@ -23,8 +24,6 @@ AT_ONCE = 64  # null vectors solved for together
 NAMES_OF_GROUP = 20  # names of a group: every free motion of a chain may move all its bodies
 INVERSE_ITERATIONS = 40  # each gains the square of the ratio of the two smallest singular values
 POWER_ITERATIONS = 300  # for the largest singular value, near which others lie
-REFINEMENTS = 6  # of a correction
-SMALLEST_COMPLIANCE = 1e-15  # of a constraint, of the largest entry: what keeps pivots from being 0
 
 
 def order_of_pivots(matrix: "csr_matrix") -> tuple[np.ndarray, int]:
@@ -108,7 +107,7 @@ def sparse_conditioning(matrix: "csr_matrix", rows: np.ndarray | None = None) ->
     wide = part.shape[0] <= part.shape[1]
     J = (part if wide else part.T).tocsr()
     count, n = J.shape
-    factors = _saddle_point(J, None)
+    factors = saddle_point(J, None)
     low = high = np.random.default_rng(1996).standard_normal(count)
     for _ in range(INVERSE_ITERATIONS):
         low = -factors.solve(np.append(np.zeros(n), low / np.linalg.norm(low)))[n:]
@@ -124,35 +123,3 @@ def sparse_conditioning(matrix: "csr_matrix", rows: np.ndarray | None = None) ->
         spread[rows] = combination
         combination = spread
     return Conditioning(condition, motion, combination)
-
-
-def shortest_correction(
-    matrix: "csr_matrix", gap: np.ndarray, weights: "csr_matrix | None" = None
-) -> np.ndarray:
-    """Return the x (n,) with J x = gap that makes xᵀ W x smallest, W the identity by default.
-
-    The solution is refined, so that equations that repeat others need not be known.
-    """
-    from scipy.sparse import identity
-
-    n = matrix.shape[1]
-    W = identity(n) if weights is None else weights
-    factors = _saddle_point(matrix, weights)
-    x, multipliers = np.zeros(n), np.zeros(gap.size)
-    for _ in range(REFINEMENTS):
-        rest = np.concatenate([-(W @ x) - matrix.T @ multipliers, gap - matrix @ x])
-        change = factors.solve(rest)
-        x += change[:n]
-        multipliers += change[n:]
-    return x
-
-
-def _saddle_point(J: "csr_matrix", weights: "csr_matrix | None") -> "SuperLU":
-    """Return the factors of [[W, Jᵀ], [J, -δ]], δ so small that only repeated equations notice it."""
-    from scipy.sparse import bmat, identity
-    from scipy.sparse.linalg import splu
-
-    m, n = J.shape
-    delta = SMALLEST_COMPLIANCE * max(abs(J).max(), 1.0)
-    W = identity(n) if weights is None else weights
-    return splu(bmat([[W, J.T], [J, -delta * identity(m)]], format="csc"))

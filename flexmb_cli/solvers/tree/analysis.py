@@ -3,70 +3,32 @@
 The integration stops at the breakpoints of functions of time, so that no step straddles a jump.
 """
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ...errors import AnalysisError, Fault
 from ...kernels.contact import AT_START, CONTACT_COLUMNS, END, TOUCHES
 from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
-from ...kernels.tree.kane import SOLVED
-from ...kernels.tree.report import Report
-from ...kernels.tree.work import FRAME_WORK, tree_work
-from ...model.arrays.tree import TreeArrays, initial_attitudes, tree_arrays
-from ...model.arrays.tree_elements import CLOSURE_ROW
+from ...model.arrays.tree import TreeArrays
 from ...model.integrators import LIBRARY_TREE_METHODS, steps_at_limit
-from ...model.joint_elements import names_of
 from ...model.tree import Tree
 from ..checkpoint import row_of, taken, taken_clock
-from .assembly import assemble_tree, pivot_shares, stray
-from .breakpoints import breakpoints, refuse_jumps, why_no_step
-from .rows import TreeRows, rows_by_recursion
-
-# Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
-CALL_WORK = 2_000_000
-LARGEST_BLOCK = 1024  # rows, of trees of a few bodies
-LARGEST_FRAMES = 8192  # frames of all rows of a block, as long as it has 256
-LARGEST_ANSWERS = 1 << 18  # answers of elements in all rows of a block: 16 MB
+from .assembly import assemble_tree, pivot_shares
+from .breakpoints import breakpoints, refuse_jumps
+from .rows import TreeRows
+from .steps import TreeSteps
 
 
-GO_ON = tree_dop853.GO_ON  # evaluate once, without a step
-
-
-class TreeAnalysis:
+class TreeAnalysis(TreeSteps):
     """One run over the report times of a tree, from the start or from the `checkpoint` of a stopped run."""
 
     def __init__(self, tree: Tree, checkpoint: Mapping[str, np.ndarray] | None = None):
-        self.tree = tree
-        self.arrays: TreeArrays = tree_arrays(tree)
-        self.work, self.coordinates = tree_work(len(self.arrays.frames), len(tree.coordinates))
-        start = initial_state(tree)
-        self.coordinates["held"] = self.arrays.given
-        works = 1 + len(self.arrays.answers)
-        if works > 1 and self.arrays.given.all() and tree.integration.method == "dop853":
-            works = 0  # where nothing is free to move, errors of works alone show what a step passes over
-        self.integration = tree_dop853.new_integration(start.size, works)
-        self.integration.z[:] = start
-        self.clock = self.integration.clock
-        self.clock["t"] = self.clock["step_start"] = tree.time.start
-        self.clock["rtol"], self.clock["atol"] = tree.integration.rtol, tree.integration.atol
-        self.row = 0
-        self.attitude: np.ndarray | None = None  # (N, 4) Euler parameters of the last row
-        self.repeated: np.ndarray | None = None  # (R,) closed directions that depend on others at the start
-        self.warnings: list[Fault] = []  # fills at the start
-        self.loop_note: Fault | None = None  # on loops that close only nearly
-        self.resumed = False
+        super().__init__(tree)
         answers = self.arrays.answers
         self._contacts = answers[:, TOUCHES:].copy() if answers.shape[1] == CONTACT_COLUMNS else None
         if checkpoint is not None:
             self.restore(checkpoint)
-
-    @property
-    def state(self) -> np.ndarray:
-        """State (n,) at the end of the last step: speeds, coordinates, Euler parameters, work."""
-        return self.integration.z
 
     @property
     def checkpoint(self) -> dict[str, np.ndarray]:
@@ -153,11 +115,6 @@ class TreeAnalysis:
                 self.call(tree_dop853.CLOSE)
         self.warnings += steps_at_limit(self.clock[0], "--method sdirk4 or radau (METH 4, 2)")
 
-    @property
-    def in_body_axes(self) -> bool:
-        """Return whether steps hold speeds of three free rotations in axes of their body."""
-        return self.tree.integration.method != "sdirk4"
-
     def _rows_up_to(self, stop: float) -> Iterator[TreeRows]:
         method = self.tree.integration.method
         if method == "dop853":
@@ -169,93 +126,6 @@ class TreeAnalysis:
         from .scipy_integrators import library_rows
 
         return library_rows(self, stop)
-
-    def evaluate(self) -> int:
-        """Evaluate the equations at the state, as steps hold it; return the code of the kernel."""
-        return self.call(tree_dop853.GO_ON_STEPS if self.in_body_axes else GO_ON)
-
-    def rows_of_steps(self, integrate_rows: Callable[..., Any]) -> Iterator[TreeRows]:
-        """Yield report rows up to the next breakpoint by a compiled integrator, `integrate_rows(report)`."""
-        code = codes.PAUSED
-        while self.row < self.tree.time.rows and code != codes.AT_STOP:
-            report = self._blank_report(self._times_of_block())
-            code = integrate_rows(report)
-            filled = int(self.clock["row"][0])
-            unknown = np.isnan(report.answers[:filled]).any(axis=(1, 2))
-            known = int(np.argmax(unknown)) if unknown.any() else filled
-            if known:
-                yield self._rows_of(Report(*(part[:known] for part in report)))
-            if known < filled:
-                from .attached_elements import lost_force
-
-                failure = lost_force(self.tree, report.answers[known], float(report.times[known]))
-                raise failure or self.failure()
-            if code not in (codes.AT_STOP, codes.PAUSED, codes.ROWS_FULL):
-                raise self.failure()
-
-    def _times_of_block(self) -> Any:
-        grid = self.tree.time
-        most = max(256, LARGEST_FRAMES // len(self.arrays.frames))
-        most = min(most, max(1, LARGEST_ANSWERS // (1 + len(self.arrays.answers))))
-        last = min(self.row + min(most, LARGEST_BLOCK), grid.rows)
-        return grid.start + np.arange(self.row, last) * grid.step
-
-    def due_times(self, t: float) -> list[float]:
-        """Report times that have no row yet and do not lie past t."""
-        grid = self.tree.time
-        times: list[float] = []
-        while self.row + len(times) < grid.rows and grid.time(self.row + len(times)) <= t:
-            times.append(grid.time(self.row + len(times)))
-        return times
-
-    def observe(self, state_at: Callable[..., Any], times: list[float]) -> TreeRows:
-        """Report rows at the next report `times` with the states (n,) that `state_at` gives."""
-        t, state = self.clock["t"].copy(), self.state.copy()
-        reports = []
-        for time in times:
-            report = self._blank_report(np.array([time]))
-            self.clock["t"], self.state[:] = time, state_at(time)
-            self.integrate_rows(report)
-            reports.append(report)
-        self.clock["t"], self.state[:] = t, state
-        return self._rows_of(Report(*map(np.concatenate, zip(*reports, strict=True))))
-
-    def _rows_of(self, report: Any) -> TreeRows:
-        block = rows_by_recursion(self.tree, self.arrays, report, self.attitude)
-        self.attitude = block.euler_parameters[-1]
-        self.row += len(block.time)
-        if not self.tree.elements:
-            return block
-        from ..constrained.tree_element_rows import with_answers
-
-        return with_answers(self.tree, block, report)
-
-    def call(self, task: int) -> int:
-        """Have the kernel do one of the tasks of `tree_dop853` that make no steps; its code."""
-        return int(tree_dop853.begin(task, self.arrays, self.work, self.coordinates, self.integration))
-
-    def integrate_rows(self, report: Report) -> int:
-        """Fill report rows by DOP853; its code."""
-        budget = 1 + CALL_WORK // (1 + len(self.coordinates))
-        return int(
-            tree_dop853.integrate_rows(
-                self.arrays, self.work, self.coordinates, self.integration, report, budget
-            )
-        )
-
-    def _blank_report(self, times: np.ndarray) -> Report:
-        rows, n = times.size, len(self.coordinates)
-        return Report(
-            times,
-            np.zeros((rows, self.state.size)),
-            np.zeros((rows, self.work.size), FRAME_WORK),
-            np.zeros((rows, n)),
-            np.zeros((rows, self.arrays.closures.size), CLOSURE_ROW),
-            np.zeros((rows, 5)),
-            np.zeros((rows, *self.arrays.answers.shape)),
-            np.zeros((rows, self.arrays.prescribed.size)),
-            np.zeros((rows, *self.arrays.reactions.shape)),
-        )
 
     def _start_interval(self, stop: float) -> None:
         hold_functions(self.arrays, stop)
@@ -282,75 +152,8 @@ class TreeAnalysis:
 
         self.warnings += filter(None, [repetition(self.tree, repeated)])
 
-    def failure(self) -> AnalysisError:
-        """Return what the clock says went wrong."""
-        clock = self.clock[0]
-        t = float(clock["t"])
-        norms = {"step": float(clock["step"]), "evaluations": int(clock["evaluations"])}
-        if clock["fault"] != SOLVED:
-            return AnalysisError(_no_inertia(self.tree, t, int(clock["fault"])), t, norms)
-        if clock["strayed"]:
-            assert self.repeated is not None, "the tree has begun to move"
-            shares, worst = pivot_shares(self.arrays), int(clock["worst"])
-            return AnalysisError(stray(self.tree, shares, self.repeated, t, worst), t, norms)
-        if failure := self.force_failure():
-            return failure
-        return AnalysisError(
-            _step_vanished(self.tree, t, float(clock["step"]), int(clock["worst"])), t, norms
-        )
-
-    def force_failure(self) -> AnalysisError | None:
-        """Return why elements have no force at the state, or where its speeds lead in a moment, or None."""
-        if not self.tree.elements:
-            return None
-        from ..constrained.failures import MOMENTS
-        from .attached_elements import lost_force
-
-        t, z = float(self.clock["t"][0]), self.state.copy()
-        ahead, failure = np.zeros(z.size), None
-        for share in (0.0, *MOMENTS):
-            self.state[:] = z + share * ahead
-            if not np.isfinite(self.state).all():
-                break
-            self.evaluate()
-            if failure := lost_force(self.tree, self.arrays.answers, t):
-                break
-            if not ahead.any():
-                ahead = (self.tree.time.end - self.tree.time.start) * self.integration.slopes[0]
-        self.state[:] = z
-        return failure
-
-
-def initial_state(tree: Tree) -> np.ndarray:
-    """State (n,) at the start: speeds, coordinates, Euler parameters, works of elements, applied work."""
-    works = np.zeros(1 + len(list(names_of(tree.elements))))
-    return np.concatenate([tree.y, tree.q, initial_attitudes(tree).ravel(), works])
-
 
 def hold_functions(arrays: TreeArrays, end: float) -> None:
     """Have functions of time, which may jump at the end of an interval, hold what they are just before it."""
     for records in (arrays.elements, arrays.prescribed, arrays.torques):
         records["until"] = np.nextafter(end, -np.inf)
-
-
-def _no_inertia(tree: Tree, t: float, coordinate: Any) -> Fault:
-    c = tree.coordinates[coordinate]
-    body = tree.bodies[c.body]
-    message = (
-        f"at t = {t:.6g} s the mass matrix is not positive definite: no inertia is left that would resist "
-        f"'{c.name}' while all that hangs on it moves freely; give {body.name} more inertia about its "
-        "origin than its nodes account for"
-    )
-    return Fault("error", message, body.place, body.name, id="SOLVE-025")
-
-
-def _step_vanished(tree: Tree, t: float, step: float, worst: int) -> Fault:
-    n = len(tree.coordinates)
-    c = tree.coordinates[worst % n] if worst < 2 * n else None
-    place, name = (tree.bodies[c.body].place, c.name) if c else (None, "an Euler parameter")
-    kind = "speed" if worst < n else "coordinate"
-    message = (
-        f"at t = {t:.6g} s the step length fell to {step:.1e} s; the {kind} with the largest error is "
-        f"'{name}'; {why_no_step(tree, t)}"
-    )
-    return Fault("error", message, place, tree.bodies[c.body].name if c else "", id="SOLVE-026")

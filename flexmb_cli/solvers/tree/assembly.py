@@ -1,7 +1,5 @@
 """Closing the loops of a tree at the start, and saying which one cannot be closed."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ...errors import AnalysisError, Fault, ModelError
@@ -13,17 +11,14 @@ from ...model.arrays.tree_elements import REPEATED
 from ...model.tree import ASSEMBLED_GAP, ROTATION, Closure, Tree
 from ..assembly import LOOSEST, NEAR, TO_GAP
 from .loop_assembly import loop_size, nearest_closed
-
-if TYPE_CHECKING:
-    from .analysis import TreeAnalysis
-
+from .state import TreeState
 
 MOST_ITERATIONS = 40
 LIMIT_PASSES = 2  # corrections of the limit of repeated equations by the gap that it leaves
 
 
-def assemble_tree(analysis: "TreeAnalysis") -> None:
-    """Bring the state of a TreeAnalysis onto the closures of its tree, and attach its elements.
+def assemble_tree(analysis: TreeState) -> None:
+    """Bring the state of a TreeState onto the closures of its tree, and attach its elements.
 
     The first rotation and the elastic coordinates are kept; when the loops cannot be closed so, only
     the prescribed coordinates are, and those of lines START.  Raises ModelError for closures in a one-way
@@ -44,7 +39,7 @@ def assemble_tree(analysis: "TreeAnalysis") -> None:
         attach_elements(analysis)
 
 
-def _close_loops(analysis: "TreeAnalysis") -> None:
+def _close_loops(analysis: TreeState) -> None:
     tree, arrays = analysis.tree, analysis.arrays
     if tree.one_way:
         raise ModelError([_one_way_fault(tree)])
@@ -63,7 +58,7 @@ def _close_loops(analysis: "TreeAnalysis") -> None:
     analysis.warnings.append(analysis.loop_note)
 
 
-def _close_nearly(analysis: "TreeAnalysis", failure: AnalysisError) -> Fault:
+def _close_nearly(analysis: TreeState, failure: AnalysisError) -> Fault:
     """Close overconstrained loops as well as they can be; return the note on what is left.
 
     Raises `failure` where other loops stay open, AnalysisError where more is left than the tree allows.
@@ -98,13 +93,13 @@ def _close_nearly(analysis: "TreeAnalysis", failure: AnalysisError) -> Fault:
     raise failure
 
 
-def _close_nearest(analysis: "TreeAnalysis", kept: np.ndarray, start: np.ndarray) -> float:
+def _close_nearest(analysis: TreeState, kept: np.ndarray, start: np.ndarray) -> float:
     """Close the loops nearest to the state `start`, as `_close` does."""
     analysis.state[:] = nearest_closed(analysis, ~kept, start.copy())
     return _close(analysis, kept)
 
 
-def _close(analysis: "TreeAnalysis", kept: np.ndarray) -> float:
+def _close(analysis: TreeState, kept: np.ndarray) -> float:
     """Close the loops while the coordinates marked in `kept` (NS,) stay; return the largest gap left, m."""
     analysis.coordinates["held"] = kept
     gap = np.inf

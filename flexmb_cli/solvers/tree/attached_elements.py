@@ -1,7 +1,5 @@
 """Elements of a tree at its start: rest attitudes of bushings, sums of couplings, lines without direction."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ...errors import AnalysisError
@@ -13,13 +11,11 @@ from ...model.laws import BUSHING, parts_in_arrays
 from ...model.tree import Tree
 from ..constrained.elements_at_start import notes_of_pressed_elements, refuse_undirected_lines
 from ..constrained.failures import bushing_failure, jam_failure
-
-if TYPE_CHECKING:
-    from .analysis import TreeAnalysis
+from .state import TreeState
 
 
-def attach_elements(analysis: "TreeAnalysis") -> None:
-    """Attach bushings and couplings where the state of a TreeAnalysis is, whose loops are closed.
+def attach_elements(analysis: TreeState) -> None:
+    """Attach bushings and couplings where the state of a TreeState is, whose loops are closed.
 
     Speeds are brought onto the couplings.  Raises ModelError for lines without a direction, AnalysisError
     for elements without a force or a tree without inertia.
@@ -44,7 +40,7 @@ def attach_elements(analysis: "TreeAnalysis") -> None:
         raise failure
 
 
-def _call(analysis: "TreeAnalysis", task: int) -> None:
+def _call(analysis: TreeState, task: int) -> None:
     if analysis.call(task) == codes.NO_INERTIA:
         raise analysis.failure()
 

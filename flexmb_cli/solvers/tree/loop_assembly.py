@@ -4,7 +4,7 @@ A gap and its rate are (p_a - p_b) · d and d · (v_a - v_b - w_b × (p_a - p_b)
 b; the rates at single unit speeds are the columns of the Jacobian.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,9 +18,7 @@ from ...model.joint_elements import Coupling
 from ...model.tree import ASSEMBLED_GAP, ELASTIC, TRANSLATION, Closure, Tree
 from ...model.tree_as_mechanism.poses import repeated_in_planar_tree
 from ..assembly import DAMPINGS, OTHER_STARTS, least_squares
-
-if TYPE_CHECKING:
-    from .analysis import TreeAnalysis
+from .state import TreeState
 
 MOST_STEPS = 40
 MOST_LEFT = 0.9  # of a gap by a step behind a search: more is left where a loop does not close
@@ -45,27 +43,27 @@ def displaced(arrays: TreeArrays, z: np.ndarray, d: np.ndarray) -> np.ndarray:
     return z
 
 
-def prescribe(analysis: "TreeAnalysis", z: np.ndarray, t: float) -> None:
+def prescribe(analysis: TreeState, z: np.ndarray, t: float) -> None:
     """Put the prescribed coordinates of z and their speeds to where they are at t."""
     speeds, q, _ = parts(analysis.arrays, z)
     set_prescribed(analysis.arrays, t, q, speeds, analysis.coordinates)
 
 
-def measured(analysis: "TreeAnalysis", z: np.ndarray) -> np.ndarray:
-    """Return the CLOSURE_ROW records of a TreeAnalysis with the gaps of the state z, and their rates."""
+def measured(analysis: TreeState, z: np.ndarray) -> np.ndarray:
+    """Return the CLOSURE_ROW records of a TreeState with the gaps of the state z, and their rates."""
     if analysis.arrays.closures.size:
         evaluate_gaps(analysis.arrays, analysis.work, analysis.coordinates, z)
     return analysis.arrays.closures
 
 
-def gap_rates(analysis: "TreeAnalysis", z: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+def gap_rates(analysis: TreeState, z: np.ndarray, speeds: np.ndarray) -> np.ndarray:
     """Return the rates (R,) of the gaps at the position of z with other speeds."""
     z = z.copy()
     z[: speeds.size] = speeds
     return measured(analysis, z)["rate"].copy()
 
 
-def jacobian_of_gaps(analysis: "TreeAnalysis", z: np.ndarray) -> np.ndarray:
+def jacobian_of_gaps(analysis: TreeState, z: np.ndarray) -> np.ndarray:
     """Return J (R, NS) of the gaps by the coordinates that are not prescribed, 0 by the others."""
     arrays = analysis.arrays
     speeds = np.where(arrays.given, 0.0, 1.0)
@@ -73,7 +71,7 @@ def jacobian_of_gaps(analysis: "TreeAnalysis", z: np.ndarray) -> np.ndarray:
     return np.array(columns).reshape(speeds.size, -1).T
 
 
-def nearest_closed(analysis: "TreeAnalysis", free: np.ndarray, start: np.ndarray) -> np.ndarray:
+def nearest_closed(analysis: TreeState, free: np.ndarray, start: np.ndarray) -> np.ndarray:
     """Return the state closed nearest to `start` by changes of the `free` coordinates (NS,).
 
     By damped least squares from it and from others near it; the one with the least gaps where none closes.
@@ -100,7 +98,7 @@ def nearest_closed(analysis: "TreeAnalysis", free: np.ndarray, start: np.ndarray
     return min(closed, key=lambda z: _distance(places, _places(analysis, z), size))
 
 
-def _places(analysis: "TreeAnalysis", z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _places(analysis: TreeState, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Places (N, 3) and axes (N, 9) of all bodies."""
     measured(analysis, z)
     own = body_frames(analysis.arrays)
@@ -115,7 +113,7 @@ def _distance(before: Any, after: Any, size: float) -> float:
 
 
 def _searched(
-    analysis: "TreeAnalysis", z: np.ndarray, units: np.ndarray, size: float, damping: float
+    analysis: TreeState, z: np.ndarray, units: np.ndarray, size: float, damping: float
 ) -> np.ndarray:
     """Return the state with the least gaps that a search finds by changes of coordinates in `units` (NS,)."""
     return least_squares(
@@ -127,7 +125,7 @@ def _searched(
     )[0]
 
 
-def _closed(analysis: "TreeAnalysis", z: np.ndarray, free: np.ndarray) -> tuple[np.ndarray, float]:
+def _closed(analysis: TreeState, z: np.ndarray, free: np.ndarray) -> tuple[np.ndarray, float]:
     """Newton's steps with the free coordinates as long as they help; the state and its largest gap."""
     gaps = measured(analysis, z)["gap"].copy()
     for _ in range(MOST_STEPS):

@@ -20,15 +20,15 @@ from .breakpoints import why_no_step
 from .rows import TreeRows
 
 if TYPE_CHECKING:
-    from .analysis import TreeAnalysis
+    from .steps import TreeSteps
 
 INCREMENT = 1.5e-8  # of a coordinate or speed, or of 1 SI unit: the root of the round-off
 WATCHED, HOPELESS = 1000, 1e6  # steps; how many times as many may be left to the end of the interval
 UNCOUNTED = 1e6  # tolerance of the applied work, whose error must not choose the steps, J
 
 
-def library_rows(analysis: "TreeAnalysis", stop: float) -> Iterator[TreeRows]:
-    """Report rows of a TreeAnalysis up to the breakpoint `stop`, whose functions are set."""
+def library_rows(analysis: "TreeSteps", stop: float) -> Iterator[TreeRows]:
+    """Report rows of a TreeSteps up to the breakpoint `stop`, whose functions are set."""
     from scipy.integrate import LSODA, Radau
 
     settings, clock = analysis.tree.integration, analysis.clock[0]
@@ -84,7 +84,7 @@ def jacobian_of(slope: Callable[[float, np.ndarray], np.ndarray]) -> Callable[[f
     return jacobian
 
 
-def _slope(analysis: "TreeAnalysis", t: float, z: np.ndarray) -> Any:
+def _slope(analysis: "TreeSteps", t: float, z: np.ndarray) -> Any:
     analysis.clock["t"], analysis.state[:] = t, z
     if analysis.evaluate() == codes.NO_INERTIA:
         raise analysis.failure()
@@ -95,7 +95,7 @@ def _slope(analysis: "TreeAnalysis", t: float, z: np.ndarray) -> Any:
     return slope
 
 
-def _step_failure(analysis: "TreeAnalysis", t: float) -> AnalysisError:
+def _step_failure(analysis: "TreeSteps", t: float) -> AnalysisError:
     method, reason = analysis.tree.integration.method, why_no_step(analysis.tree, t)
     message = f"at t = {t:.6g} s {method} finds no step that meets the tolerance; {reason}"
     return AnalysisError(Fault("error", message, id="SOLVE-030"), float(t))
@@ -104,8 +104,8 @@ def _step_failure(analysis: "TreeAnalysis", t: float) -> AnalysisError:
 IMPLICIT_CALL_WORK = 1_000_000  # places of the matrix; an interrupt waits for about a second of them
 
 
-def implicit_rows(analysis: "TreeAnalysis") -> Iterator[TreeRows]:
-    """Report rows of a TreeAnalysis up to the next breakpoint, whose functions are set.
+def implicit_rows(analysis: "TreeSteps") -> Iterator[TreeRows]:
+    """Report rows of a TreeSteps up to the next breakpoint, whose functions are set.
 
     Raises AnalysisError as the other methods.
     """

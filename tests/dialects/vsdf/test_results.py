@@ -8,7 +8,8 @@ import h5py
 import numpy as np
 import pytest
 
-from flexmb_cli.deck.fortran_format import Layout, P
+from flexmb_cli.deck.edit import P
+from flexmb_cli.deck.fortran_format import Layout
 from flexmb_cli.dialects.vsdf.listing import VsdfTable
 from flexmb_cli.run.outcome import RunOptions
 from flexmb_cli.run.solution import run_deck

@@ -11,7 +11,6 @@ import numpy as np
 from flexmb_cli.kernels._jit import kernel
 from flexmb_cli.kernels.constrained.angle_unwrapping import expect_angles, unwrap_angles
 from flexmb_cli.kernels.integrators.clock import BEGIN, READY, STEP_VANISHED, new_clock
-from flexmb_cli.kernels.integrators.constrained_dop853 import Integration
 from flexmb_cli.kernels.integrators.constrained_equations import (
     IN_DOUBT,
     code_of_gap,
@@ -22,6 +21,7 @@ from flexmb_cli.kernels.integrators.constrained_equations import (
     slope,
 )
 from flexmb_cli.kernels.integrators.hermite import cubic, cubic_slope
+from flexmb_cli.kernels.integrators.integrations import Integration
 from flexmb_cli.kernels.integrators.time_loop import Method, time_loop
 from flexmb_cli.kernels.linalg.number_rows import copy
 

@@ -10,7 +10,7 @@ from flexmb_cli.kernels.integrators.sdirk4 import _close_loops, implicit_work
 from flexmb_cli.kernels.tree.implicit_matrix import factorise, renew
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import INERTIAL, TRANSLATION, Body, Hinge, Integration, Tree
-from flexmb_cli.solvers.tree.analysis import initial_state
+from flexmb_cli.solvers.tree.state import initial_state
 from tests.kernels.tree.test_kane_closures import closed_where_it_is, looped_tree
 from tests.kernels.tree.test_kane_forward_dynamics import Recursion
 from tests.naive.random_trees import sprung

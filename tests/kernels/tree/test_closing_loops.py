@@ -6,7 +6,7 @@ import pytest
 from flexmb_cli.kernels._jit import interpreting
 from flexmb_cli.kernels.tree.motion import parts
 from flexmb_cli.kernels.tree.projection import CLOSED_LOOP_GAP, Metric, evaluate_gaps, largest_gap, projection
-from flexmb_cli.solvers.tree.analysis import initial_state
+from flexmb_cli.solvers.tree.state import initial_state
 from tests.kernels.tree.test_kane_closures import closed_where_it_is, closure_equations, looped_tree
 from tests.kernels.tree.test_kane_forward_dynamics import Recursion, close
 

@@ -11,7 +11,7 @@ from flexmb_cli.kernels.linalg.profile_ldl import factorise_profile, set_profile
 from flexmb_cli.kernels.tree.implicit_matrix import factorise, renew, set_mass_times, solve_stiff, stiff_work
 from flexmb_cli.model.laws import SPRING
 from flexmb_cli.model.tree import ELASTIC, ROTATION, Prescribed
-from flexmb_cli.solvers.tree.analysis import initial_state
+from flexmb_cli.solvers.tree.state import initial_state
 from tests.kernels.tree.test_elastic_rotation import turning_tree
 from tests.kernels.tree.test_kane_closures import closed_where_it_is, closure_equations, looped_tree
 from tests.kernels.tree.test_kane_forward_dynamics import Recursion, close

@@ -8,7 +8,7 @@ from scipy.linalg import null_space
 
 from flexmb_cli.kernels.tree.projection import respond_to_rows
 from flexmb_cli.model.tree import INERTIAL, Closure
-from flexmb_cli.solvers.tree.analysis import initial_state
+from flexmb_cli.solvers.tree.state import initial_state
 from tests.kernels.tree.test_kane_forward_dynamics import Recursion, close
 from tests.naive.particle_tree import Particles, second_derivative
 from tests.naive.random_trees import random_tree

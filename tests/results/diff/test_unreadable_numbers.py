@@ -155,7 +155,7 @@ def test_words_of_fields():
 
 
 def _edits(count):
-    from flexmb_cli.deck.fortran_format import I
+    from flexmb_cli.deck.edit import I
 
     return count * (I(3),)
 

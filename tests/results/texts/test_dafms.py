@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmb_cli.deck.fortran_format import HISTORIC
+from flexmb_cli.deck.edit import HISTORIC
 from flexmb_cli.deck.record import DeckText
 from flexmb_cli.dialects.dafms.listing import Series, echo_text
 from flexmb_cli.dialects.dafms.reader import read_dafms

@@ -5,12 +5,8 @@ import pytest
 from scipy.sparse import csr_matrix, diags
 
 from flexmb_cli.model.equations import Equation
-from flexmb_cli.solvers.singular.sparse_rank import (
-    order_of_pivots,
-    shortest_correction,
-    sparse_conditioning,
-    sparse_mobility,
-)
+from flexmb_cli.solvers.projection import shortest_correction
+from flexmb_cli.solvers.singular.sparse_rank import order_of_pivots, sparse_conditioning, sparse_mobility
 
 
 def matrix_of(seed, m=30, n=40, repeated=3):

@@ -8,7 +8,8 @@ import pytest
 from flexmb_cli.model.joint_elements import JointElements
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import ROTATION, Prescribed, generalized_coordinates
-from flexmb_cli.solvers.tree.analysis import TreeAnalysis, initial_state
+from flexmb_cli.solvers.tree.analysis import TreeAnalysis
+from flexmb_cli.solvers.tree.state import initial_state
 from tests.naive.particle_tree import Particles
 from tests.naive.random_trees import motored, random_tree
 from tests.solvers.tree.tree_runs import run

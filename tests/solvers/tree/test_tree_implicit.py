@@ -20,7 +20,8 @@ from flexmb_cli.model.tree import (
     Prescribed,
     Tree,
 )
-from flexmb_cli.solvers.tree.analysis import TreeAnalysis, initial_state
+from flexmb_cli.solvers.tree.analysis import TreeAnalysis
+from flexmb_cli.solvers.tree.state import initial_state
 from tests.kernels.tree.test_elastic_rotation import turning_tree
 from tests.kernels.tree.test_kane_forward_dynamics import Recursion, close
 from tests.naive.random_trees import random_tree, sprung

@@ -77,7 +77,7 @@ def test_speeds_of_rows_are_in_axes_of_the_hinge_and_coordinates_their_integrals
 
 
 def test_run_stopped_among_flips_goes_on_with_the_same_numbers(monkeypatch):
-    monkeypatch.setattr("flexmb_cli.solvers.tree.analysis.LARGEST_BLOCK", 7)
+    monkeypatch.setattr("flexmb_cli.solvers.tree.steps.LARGEST_BLOCK", 7)
     tree = tumbling(1e-10, end=20.0)
     blocks = TreeAnalysis(tree)
     rows = iter(blocks.rows())

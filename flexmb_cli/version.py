@@ -1,0 +1,3 @@
+"""Version of the program, which results and studies name."""
+
+__version__ = "0.1.0"
