@@ -86,8 +86,8 @@ PAYLOAD = '''def _loaded(rigid: RigidMass, mass: float, r: np.ndarray) -> RigidM
 CARD = {
     "flexmb_cli/dialects/vsdf/cards/joints_and_loads.py": [
         (
-            '    Card("GRAV", ',
-            '    Card("DOWN", "weight", "DOWN", "single", (Column("g", "gravity along -z", "m/s^2"),)),\n',
+            '    card("GRAV ',
+            '    card("DOWN weight single", "DOWN", Column("g", "gravity along -z", "m/s^2")),\n',
         )
     ],
     "flexmb_cli/dialects/vsdf/build.py": [
@@ -100,9 +100,9 @@ CARD = {
 CARD_OF_BODIES = {
     "flexmb_cli/dialects/vsdf/cards/bodies.py": [
         (
-            '    Card(\n        "NODE",\n',
-            '    Card("PAYL", "payload", "payload {}", "list", (BODY, whole_column("node", "node", None),\n'
-            '         Column("mass", "mass", "kg", default=None)), bodies="RIGD"),\n',
+            '    card(\n        "NODE node list",\n',
+            '    card("PAYL payload list", "payload {}", BODY, whole_column("node", "node", None),\n'
+            '         Column("mass", "mass", "kg", default=None), bodies="RIGD"),\n',
         )
     ],
     "flexmb_cli/dialects/vsdf/bodies.py": [

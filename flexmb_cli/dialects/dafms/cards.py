@@ -33,6 +33,12 @@ class Card:
     head: int = 0
 
 
+def _card(head: str, *items: Item, tail: str = "", first: int = 0) -> Card:
+    """Return a card; `head`: its word in four columns, section, layout, and the FORMAT if it has one."""
+    section, layout, *form = head[4:].split()
+    return Card(head[:4], section, layout, "".join(form), items, tail, first)
+
+
 MACROS = ("DFMB", "STAR", "STOP")
 END, PRINT_ON, PRINT_OFF = "END ", "PRIN", "NOPR"
 SWITCHES = (END, PRINT_ON, PRINT_OFF)
@@ -74,148 +80,92 @@ HINGE_ITEMS = (
 )
 
 HISTORIC = (
-    Card("CONN", "parent", "list", "10I5", (Item("L", "number of the body's parent, 0: inertial frame"),)),
-    Card("MASS", "mass", "bodies", "I5,F10.5", (Item("BM", "mass of the body", "kg"),)),
-    Card("INER", "inertia", "bodies", "I5,3F10.5", _axes("BII", "moment of inertia about O_k", "kg m^2")),
-    Card("XI  ", "offset", "bodies", "I5,3F10.5", _axes("XI", "P_k to O_k, echoed only", "m")),
-    Card("Q(k)", "hinge_point", "bodies", "I5,3F10.5", _axes("PH", "hinge point in the parent", "m")),
-    Card("NOFP", "hinge_node", "bodies", "I5,I5", (Item("NP", "node of the parent at the hinge"),)),
-    Card("EULT", "attitude", "bodies", "I5,4F10.5", _euler("O_k against P_k")),
-    Card("EULL", "hinge_attitude", "bodies", "I5,4F10.5", _euler("P_k in the parent")),
-    Card("X(L)", "first_coordinate", "coordinates", "5F10.5"),
-    Card("Y(L)", "state", "state", "5F10.5"),
-    Card("FORC", "force", "bodies", "I5,3F10.5", _axes("HF", "force at O_k, inertial", "N")),
-    Card("TOQU", "torque", "bodies", "I5,3F10.5", _axes("HM", "external torque, inertial", "N m")),
-    Card("RC(K", "mass_centre", "bodies", "I5,3F10.5", _axes("RC", "O_k to mass centre", "m")),
-    Card(
-        "DESN",
-        "pulse",
-        "bodies",
-        "2I5,4F10.5",
-        (
-            Item("IDS", "law of the designed torque: 0 none, 1 pulse"),
-            Item("F1", "height of the pulse", "N m"),
-            Item("TIME", "length of the pulse", "s"),
-        ),
+    _card("CONN parent list 10I5", Item("L", "number of the body's parent, 0: inertial frame")),
+    _card("MASS mass bodies I5,F10.5", Item("BM", "mass of the body", "kg")),
+    _card("INER inertia bodies I5,3F10.5", *_axes("BII", "moment of inertia about O_k", "kg m^2")),
+    _card("XI   offset bodies I5,3F10.5", *_axes("XI", "P_k to O_k, echoed only", "m")),
+    _card("Q(k) hinge_point bodies I5,3F10.5", *_axes("PH", "hinge point in the parent", "m")),
+    _card("NOFP hinge_node bodies I5,I5", Item("NP", "node of the parent at the hinge")),
+    _card("EULT attitude bodies I5,4F10.5", *_euler("O_k against P_k")),
+    _card("EULL hinge_attitude bodies I5,4F10.5", *_euler("P_k in the parent")),
+    _card("X(L) first_coordinate coordinates 5F10.5"),
+    _card("Y(L) state state 5F10.5"),
+    _card("FORC force bodies I5,3F10.5", *_axes("HF", "force at O_k, inertial", "N")),
+    _card("TOQU torque bodies I5,3F10.5", *_axes("HM", "external torque, inertial", "N m")),
+    _card("RC(K mass_centre bodies I5,3F10.5", *_axes("RC", "O_k to mass centre", "m")),
+    _card(
+        "DESN pulse bodies 2I5,4F10.5",
+        Item("IDS", "law of the designed torque: 0 none, 1 pulse"),
+        Item("F1", "height of the pulse", "N m"),
+        Item("TIME", "length of the pulse", "s"),
     ),
 )
 
 EXTENSIONS = (
-    Card(
-        "GRAV",
-        "gravity",
-        "single",
-        "I5,3F10.5",
-        (Item("KG", "not used"), *_axes("g", "gravity, inertial", "m/s^2")),
+    _card("GRAV gravity single I5,3F10.5", Item("KG", "not used"), *_axes("g", "gravity, inertial", "m/s^2")),
+    _card("UNCO one_way switch"),
+    _card("LOOP closure entries 7I5", *_CLOSURE, tail="6F10.5", first=7),
+    _card(
+        "PROD product bodies I5,3F10.5",
+        *(Item(f"BII{ij}", f"element {ij} of the inertia matrix about O_k", "kg m^2") for ij in (12, 13, 23)),
     ),
-    Card("UNCO", "one_way", "switch"),
-    Card("LOOP", "closure", "entries", "7I5", _CLOSURE, "6F10.5", head=7),
-    Card(
-        "PROD",
-        "product",
-        "bodies",
-        "I5,3F10.5",
-        tuple(
-            Item(f"BII{ij}", f"element {ij} of the inertia matrix about O_k", "kg m^2") for ij in (12, 13, 23)
-        ),
+    _card(
+        "SPRI spring entries 2I5,2F10.5",
+        *HINGE_ITEMS,
+        Item("KS", "stiffness", "N m/rad or N/m"),
+        Item("Q0", "coordinate at rest", "rad or m"),
     ),
-    Card(
-        "SPRI",
-        "spring",
-        "entries",
-        "2I5,2F10.5",
-        (
-            *HINGE_ITEMS,
-            Item("KS", "stiffness", "N m/rad or N/m"),
-            Item("Q0", "coordinate at rest", "rad or m"),
-        ),
+    _card(
+        "DAMP damper entries 2I5,F10.5", *HINGE_ITEMS, Item("CS", "damping constant", "N m s/rad or N s/m")
     ),
-    Card(
-        "DAMP",
-        "damper",
-        "entries",
-        "2I5,F10.5",
-        (*HINGE_ITEMS, Item("CS", "damping constant", "N m s/rad or N s/m")),
+    _card(
+        "MOTR motor entries 2I5,F10.5",
+        *HINGE_ITEMS,
+        Item("TAU", "torque or force, opposite on the parent", "N m or N"),
     ),
-    Card(
-        "MOTR",
-        "motor",
-        "entries",
-        "2I5,F10.5",
-        (*HINGE_ITEMS, Item("TAU", "torque or force, opposite on the parent", "N m or N")),
+    _card(
+        "PRES prescribed entries 2I5,3F10.5",
+        *HINGE_ITEMS,
+        Item("C", "coordinate at t = 0", "rad or m"),
+        Item("B", "speed at t = 0", "rad/s or m/s"),
+        Item("A2", "acceleration", "rad/s^2 or m/s^2"),
     ),
-    Card(
-        "PRES",
-        "prescribed",
-        "entries",
-        "2I5,3F10.5",
-        (
-            *HINGE_ITEMS,
-            Item("C", "coordinate at t = 0", "rad or m"),
-            Item("B", "speed at t = 0", "rad/s or m/s"),
-            Item("A2", "acceleration", "rad/s^2 or m/s^2"),
-        ),
+    _card(
+        "TABL torque_table entries 3I5",
+        Item("K", "body"),
+        Item("A", "inertial axis of the torque"),
+        Item("NP", "number of points of the table"),
+        tail="2F10.5",
     ),
-    Card(
-        "TABL",
-        "torque_table",
-        "entries",
-        "3I5",
-        (
-            Item("K", "body"),
-            Item("A", "inertial axis of the torque"),
-            Item("NP", "number of points of the table"),
-        ),
-        "2F10.5",
+    _card(
+        "TABM motor_table entries 3I5",
+        *HINGE_ITEMS,
+        Item("NP", "number of points of the table"),
+        tail="2F10.5",
     ),
-    Card(
-        "TABM",
-        "motor_table",
-        "entries",
-        "3I5",
-        (*HINGE_ITEMS, Item("NP", "number of points of the table")),
-        "2F10.5",
+    _card(
+        "ELDA elastic_damping bodies I5,2F10.5",
+        Item("ALPHA", "mass-proportional", "1/s"),
+        Item("BETA", "stiffness-proportional", "s"),
     ),
-    Card(
-        "ELDA",
-        "elastic_damping",
-        "bodies",
-        "I5,2F10.5",
-        (Item("ALPHA", "mass-proportional", "1/s"), Item("BETA", "stiffness-proportional", "s")),
+    _card(
+        "NROT nodal_rotation entries 2I5", Item("K", "flexible body"), Item("I", "its node"), tail="6E13.5"
     ),
-    Card(
-        "NROT",
-        "nodal_rotation",
-        "entries",
-        "2I5",
-        (Item("K", "flexible body"), Item("I", "its node")),
-        "6E13.5",
+    _card(
+        "GSTF stiffening bodies I5,I5,F10.5",
+        Item("IGS", "geometric stiffening: 0 none, 1 on"),
+        Item("RA", "clamped end of the beam, from O_k", "m"),
     ),
-    Card(
-        "GSTF",
-        "stiffening",
-        "bodies",
-        "I5,I5,F10.5",
-        (
-            Item("IGS", "geometric stiffening: 0 none, 1 on"),
-            Item("RA", "clamped end of the beam, from O_k", "m"),
-        ),
+    _card(
+        "TOLR tolerance single 2E13.5",
+        Item("RTOL", "relative tolerance of a step"),
+        Item("ATOL", "absolute tolerance of a step"),
     ),
-    Card(
-        "TOLR",
-        "tolerance",
-        "single",
-        "2E13.5",
-        (Item("RTOL", "relative tolerance of a step"), Item("ATOL", "absolute tolerance of a step")),
+    _card(
+        "METH method single I5",
+        Item("METH", "integrator: 1 explicit, 2 implicit, 3 DGEAR's family, 4 implicit and compiled"),
     ),
-    Card(
-        "METH",
-        "method",
-        "single",
-        "I5",
-        (Item("METH", "integrator: 1 explicit, 2 implicit, 3 DGEAR's family, 4 implicit and compiled"),),
-    ),
-    Card("GEOM", "shape", "entries", "2I5,3F10.5", _SHAPE, "6F10.5", head=5),
+    _card("GEOM shape entries 2I5,3F10.5", *_SHAPE, tail="6F10.5", first=5),
 )
 
 CARDS = {card.word: card for card in (*HISTORIC, *EXTENSIONS)}

@@ -52,6 +52,19 @@ class Card:
         return 1 if body.default is None else 0
 
 
+def card(
+    head: str,
+    subject: str,
+    *columns: Column,
+    more: Column | None = None,
+    second: tuple[Column, ...] = (),
+    bodies: str = "",
+) -> Card:
+    """Return a card; `head`: its word, its section and how its records are counted."""
+    word, section, counted = head.split()
+    return Card(word, section, subject, counted, columns, more, second, bodies)
+
+
 def whole_column(key: str, meaning: str, default: int | None = 0) -> Column:
     """A field of an integer."""
     return Column(key, meaning, letter="I", default=default)
@@ -74,12 +87,9 @@ MATRIX_FORMS = tuple(MATRIX_FORMATS)
 
 def file_card(word: str, section: str, what: str, forms: tuple[str, ...]) -> Card:
     """A card that names a file of a body."""
-    columns = (
-        BODY,
-        word_column("form", "format of the file", forms),
-        Column("file", f"file of the {what}", letter="T", skip=1, default=None),
-    )
-    return Card(word, section, f"{what} of body {{}}", "body", columns, bodies="FLEX")
+    form = word_column("form", "format of the file", forms)
+    file = Column("file", f"file of the {what}", letter="T", skip=1, default=None)
+    return Card(word, section, f"{what} of body {{}}", "body", (BODY, form, file), bodies="FLEX")
 
 
 def node_list_card(word: str, section: str, what: str) -> Card:

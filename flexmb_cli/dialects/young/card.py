@@ -35,6 +35,12 @@ class Card:
         return f"{asked} {'words' if self.begins_with_text else 'numbers'} ({keys})"
 
 
+def card(head: str, *columns: Column, optional: int = 0) -> Card:
+    """Return a card; `head`: its keyword and its section."""
+    keyword, section = head.split()
+    return Card(keyword, section, columns, optional)
+
+
 def whole(key: str, meaning: str) -> Column:
     """A column of integers."""
     return Column(key, meaning, is_integer=True)

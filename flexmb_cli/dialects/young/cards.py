@@ -1,6 +1,6 @@
 """Cards after DYNAMICS, and those of shapes after GEOMETRY: one table of keywords, columns and meanings."""
 
-from .card import Card, vector, whole
+from .card import card, vector, whole
 from .sections import Column
 
 _BODY = whole("body", "number of the body")
@@ -17,116 +17,89 @@ _PLACED = (
     Column("gamma", "about z, axes of the body", "rad"),
 )
 SHAPE_CARDS = (
-    Card(
-        "GEOM",
-        "shape",
-        (
-            _BODY_OR_GROUND,
-            whole("shape", "1 box, 2 cylinder, 3 tube, 4 cone, 5 sphere"),
-            Column("a", "length along x; of all but a box the radius", "m"),
-            Column("b", "length along y; of all but a box the length along z", "m"),
-            Column("c", "length along z; inner radius of a tube, upper one of a cone", "m"),
-            *_PLACED,
-        ),
+    card(
+        "GEOM shape",
+        _BODY_OR_GROUND,
+        whole("shape", "1 box, 2 cylinder, 3 tube, 4 cone, 5 sphere"),
+        Column("a", "length along x; of all but a box the radius", "m"),
+        Column("b", "length along y; of all but a box the length along z", "m"),
+        Column("c", "length along z; inner radius of a tube, upper one of a cone", "m"),
+        *_PLACED,
         optional=8,
     ),
-    Card(
-        "STL",
-        "shape_file",
-        (
-            Column("file", "STL file", is_text=True),
-            _BODY_OR_GROUND,
-            Column("unit", "metres in a unit of the file", "m"),
-            *_PLACED,
-        ),
+    card(
+        "STL shape_file",
+        Column("file", "STL file", is_text=True),
+        _BODY_OR_GROUND,
+        Column("unit", "metres in a unit of the file", "m"),
+        *_PLACED,
         optional=6,
     ),
 )
 CARDS = (
-    Card(
-        "MASS",
-        "mass",
-        (
-            _BODY,
-            Column("m", "mass", "kg"),
-            *vector("centre", "the centre of mass, body axes", "m"),
-            *(
-                Column(
-                    f"I{a}",
-                    f"element {a} of the inertia tensor about the centre of mass, body axes",
-                    "kg m^2",
-                )
-                for a in ("xx", "yy", "zz", "xy", "yz", "zx")
-            ),
+    card(
+        "MASS mass",
+        _BODY,
+        Column("m", "mass", "kg"),
+        *vector("centre", "the centre of mass, body axes", "m"),
+        *(
+            Column(
+                f"I{a}", f"element {a} of the inertia tensor about the centre of mass, body axes", "kg m^2"
+            )
+            for a in ("xx", "yy", "zz", "xy", "yz", "zx")
         ),
         optional=3,
     ),
-    Card(
-        "FORCE",
-        "force",
-        (
-            _BODY,
-            *vector("P", "the point of action, body axes", "m"),
-            *vector("F", "the force", "N"),
-            _FOLLOWING,
-            _FACTOR,
-        ),
+    card(
+        "FORCE force",
+        _BODY,
+        *vector("P", "the point of action, body axes", "m"),
+        *vector("F", "the force", "N"),
+        _FOLLOWING,
+        _FACTOR,
         optional=2,
     ),
-    Card("TORQUE", "torque", (_BODY, *vector("T", "the torque", "N m"), _FOLLOWING, _FACTOR), optional=2),
-    Card(
-        "SPRING",
-        "spring",
-        (
-            whole("I", "number of body I, 0: the ground"),
-            whole("J", "number of body J, 0: the ground"),
-            *vector("P_i", "the end on body I, body axes", "m"),
-            *vector("P_j", "the end on body J, body axes", "m"),
-            Column("stiffness", "stiffness", "N/m"),
-            Column("free_length", "length without force", "m"),
-            Column("damping", "force of the damper in line per rate of length", "N s/m"),
-        ),
+    card("TORQUE torque", _BODY, *vector("T", "the torque", "N m"), _FOLLOWING, _FACTOR, optional=2),
+    card(
+        "SPRING spring",
+        whole("I", "number of body I, 0: the ground"),
+        whole("J", "number of body J, 0: the ground"),
+        *vector("P_i", "the end on body I, body axes", "m"),
+        *vector("P_j", "the end on body J, body axes", "m"),
+        Column("stiffness", "stiffness", "N/m"),
+        Column("free_length", "length without force", "m"),
+        Column("damping", "force of the damper in line per rate of length", "N s/m"),
         optional=1,
     ),
-    Card(
-        "DAMPER",
-        "damper",
-        (
-            whole("I", "number of body I, 0: the ground"),
-            whole("J", "number of body J, 0: the ground"),
-            *vector("P_i", "the end on body I, body axes", "m"),
-            *vector("P_j", "the end on body J, body axes", "m"),
-            Column("damping", "force per rate of length", "N s/m"),
-        ),
+    card(
+        "DAMPER damper",
+        whole("I", "number of body I, 0: the ground"),
+        whole("J", "number of body J, 0: the ground"),
+        *vector("P_i", "the end on body I, body axes", "m"),
+        *vector("P_j", "the end on body J, body axes", "m"),
+        Column("damping", "force per rate of length", "N s/m"),
     ),
-    Card("GRAVITY", "gravity", vector("g", "the acceleration of gravity, global axes", "m/s^2")),
-    Card(
-        "VELOCITY",
-        "velocity",
-        (
-            _BODY,
-            *vector("v", "the velocity of the body's origin at the start, global axes", "m/s"),
-            *vector("w", "the angular velocity at the start, global axes", "rad/s"),
-        ),
+    card("GRAVITY gravity", *vector("g", "the acceleration of gravity, global axes", "m/s^2")),
+    card(
+        "VELOCITY velocity",
+        _BODY,
+        *vector("v", "the velocity of the body's origin at the start, global axes", "m/s"),
+        *vector("w", "the angular velocity at the start, global axes", "rad/s"),
         optional=3,
     ),
-    Card("TOLERANCE", "tolerance", (Column("relative", "error tolerance of the integration"),)),
-    Card(
-        "GALF",
-        "generalised-alpha",
-        (
-            Column("step", "length of the steps of the generalised-alpha method, 0: by the tolerance", "s"),
-            Column("radius", "spectral radius at infinity, 1: no numerical damping, 0: the most"),
-        ),
+    card("TOLERANCE tolerance", Column("relative", "error tolerance of the integration")),
+    card(
+        "GALF generalised-alpha",
+        Column("step", "length of the steps of the generalised-alpha method, 0: by the tolerance", "s"),
+        Column("radius", "spectral radius at infinity, 1: no numerical damping, 0: the most"),
     ),
-    Card(
-        "RAD5",
-        "radau",
-        (Column("tolerance", "error tolerance of Radau's method of order 5, 0: that of TOLERANCE"),),
+    card(
+        "RAD5 radau",
+        Column("tolerance", "error tolerance of Radau's method of order 5, 0: that of TOLERANCE"),
         optional=1,
     ),
     *SHAPE_CARDS,
 )
 
 
-BY_KEYWORD = {card.keyword: card for card in CARDS}
+BY_KEYWORD = {each.keyword: each for each in CARDS}

@@ -1,7 +1,7 @@
 """Cards of the analysis and its results: stiffening, times, integrator, output, materials, shapes."""
 
 from ....model.integrators import METHODS
-from ..card import BODY, MATRIX_FORMS, NODE, Card, Column, vector_columns, whole_column, word_column
+from ..card import BODY, MATRIX_FORMS, NODE, Column, card, vector_columns, whole_column, word_column
 
 WITHOUT_CARD = "GALF"  # method of a deck without the card INTG, and what `flexmb new` proposes
 # The first word of a column is the one that the dialogue proposes.
@@ -21,125 +21,88 @@ _PLACED = (
 )
 
 ANALYSIS_CARDS = (
-    Card(
-        "GEOS",
-        "stiffening",
+    card(
+        "GEOS stiffening body",
         "stiffening of body {}",
-        "body",
-        (
-            BODY,
-            whole_column("on", "1: centrifugal stiffening"),
-            Column("E", "Young's modulus of the elements; empty: by MATL or FEMG", "Pa", default=0.0),
-            Column("nu", "Poisson's ratio of the elements", default=0.0),
-        ),
+        BODY,
+        whole_column("on", "1: centrifugal stiffening"),
+        Column("E", "Young's modulus of the elements; empty: by MATL or FEMG", "Pa", default=0.0),
+        Column("nu", "Poisson's ratio of the elements", default=0.0),
         bodies="FLEX",
     ),
-    Card(
-        "FEMG",
-        "unit_load",
+    card(
+        "FEMG unit_load list",
         "geometric stiffness {}",
-        "list",
-        (
-            BODY,
-            whole_column("load", "unit load, 4 to 12: xx xy xz yx ... zz", None),
-            word_column("form", "format of the file", MATRIX_FORMS),
-            Column("file", "file of the geometric stiffness", letter="T", skip=1, default=None),
-        ),
+        BODY,
+        whole_column("load", "unit load, 4 to 12: xx xy xz yx ... zz", None),
+        word_column("form", "format of the file", MATRIX_FORMS),
+        Column("file", "file of the geometric stiffness", letter="T", skip=1, default=None),
         bodies="FLEX",
     ),
-    Card(
+    card(
+        "TIME time single",
         "TIME",
-        "time",
-        "TIME",
-        "single",
-        (
-            Column("end", "last time", "s", default=None),
-            Column("output", "time between rows", "s", default=None),
-            Column("step", "step of integration, 0: chosen by tolerance", "s", default=0.0),
-        ),
+        Column("end", "last time", "s", default=None),
+        Column("output", "time between rows", "s", default=None),
+        Column("step", "step of integration, 0: chosen by tolerance", "s", default=0.0),
     ),
-    Card(
+    card(
+        "INTG integrator single",
         "INTG",
-        "integrator",
-        "INTG",
-        "single",
-        (
-            word_column(
-                "method", ", ".join(f"{word} {METHODS[word].meaning}" for word in _METHODS), _METHODS
-            ),
-            Column("rho", "spectral radius at infinity, or tolerance", default=0.0),
-            Column("stabilise", "constraint stabilisation", "1/s", default=0.0),
-            Column("tolerance", "tolerance of a method with a spectral radius", default=0.0),
-        ),
+        word_column("method", ", ".join(f"{word} {METHODS[word].meaning}" for word in _METHODS), _METHODS),
+        Column("rho", "spectral radius at infinity, or tolerance", default=0.0),
+        Column("stabilise", "constraint stabilisation", "1/s", default=0.0),
+        Column("tolerance", "tolerance of a method with a spectral radius", default=0.0),
     ),
-    Card("OUTN", "output", "output nodes {}", "list", (BODY,), NODE),
-    Card(
-        "MATL",
-        "material",
+    card("OUTN output list", "output nodes {}", BODY, more=NODE),
+    card(
+        "MATL material body",
         "material of body {}",
-        "body",
-        (
-            BODY,
-            Column("E", "Young's modulus of the elements", "Pa", default=None),
-            Column("nu", "Poisson's ratio of the elements", default=0.0),
-            Column("rho", "density, to test the mass by; empty: no test", "kg/m^3", default=0.0),
-        ),
+        BODY,
+        Column("E", "Young's modulus of the elements", "Pa", default=None),
+        Column("nu", "Poisson's ratio of the elements", default=0.0),
+        Column("rho", "density, to test the mass by; empty: no test", "kg/m^3", default=0.0),
         bodies="FLEX",
     ),
-    Card(
-        "OUTS",
-        "stress_output",
+    card(
+        "OUTS stress_output list",
         "stress output {}",
-        "list",
-        (BODY, word_column("what", "where stresses are reported", STRESS_PLACES)),
-        whole_column("number", "node, node set or element; none: all"),
+        BODY,
+        word_column("what", "where stresses are reported", STRESS_PLACES),
+        more=whole_column("number", "node, node set or element; none: all"),
     ),
-    Card(
-        "PLAC",
-        "placement",
+    card(
+        "PLAC placement list",
         "placement {}",
-        "list",
-        (
-            BODY,
-            NODE,
-            *vector_columns(
-                "p", "point that it lies at (first), towards (second), beside (third), global", "m"
-            ),
-        ),
+        BODY,
+        NODE,
+        *vector_columns("p", "point that it lies at (first), towards (second), beside (third), global", "m"),
     ),
-    Card(
-        "GEOM",
-        "shape",
+    card(
+        "GEOM shape list",
         "shape {}",
-        "list",
-        (
-            _SHAPED,
-            word_column("shape", "shape for pictures", SHAPES),
-            Column("a", "length along x; of all but a box the radius", "m", default=0.0),
-            Column("b", "length along y; of all but a box the length along z", "m", default=0.0),
-            Column("c", "length along z; inner radius of a tube, upper one of a cone", "m", default=0.0),
-            *_PLACED,
-        ),
+        _SHAPED,
+        word_column("shape", "shape for pictures", SHAPES),
+        Column("a", "length along x; of all but a box the radius", "m", default=0.0),
+        Column("b", "length along y; of all but a box the length along z", "m", default=0.0),
+        Column("c", "length along z; inner radius of a tube, upper one of a cone", "m", default=0.0),
+        *_PLACED,
     ),
-    Card(
-        "GSTL",
-        "shape_file",
+    card(
+        "GSTL shape_file list",
         "shape file {}",
-        "list",
-        (_SHAPED, Column("unit", "metres in a unit of the file; empty: 1", "m", default=1.0), *_PLACED),
+        _SHAPED,
+        Column("unit", "metres in a unit of the file; empty: 1", "m", default=1.0),
+        *_PLACED,
         second=(Column("file", "STL file", letter="T", skip=1, default=None),),
     ),
-    Card(
-        "ELMT",
-        "element_types",
+    card(
+        "ELMT element_types body",
         "element types of body {}",
-        "body",
-        (
-            BODY,
-            word_column("types", "program whose types the INP file names; empty: CCX", PROGRAMS, ""),
-            word_column("mass", "mass of the elements; empty: CONS, consistent", ("CONS", "LUMP"), ""),
-            word_column("stress", "REDU: stresses at reduced points if K is of no known type", ("REDU",), ""),
-        ),
+        BODY,
+        word_column("types", "program whose types the INP file names; empty: CCX", PROGRAMS, ""),
+        word_column("mass", "mass of the elements; empty: CONS, consistent", ("CONS", "LUMP"), ""),
+        word_column("stress", "REDU: stresses at reduced points if K is of no known type", ("REDU",), ""),
         bodies="FLEX",
     ),
 )

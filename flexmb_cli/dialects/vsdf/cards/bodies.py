@@ -4,8 +4,8 @@ from ....fe.formats.formats import MAPPING_FORMATS
 from ..card import (
     BODY,
     MATRIX_FORMS,
-    Card,
     Column,
+    card,
     file_card,
     node_list_card,
     vector_columns,
@@ -19,119 +19,85 @@ MAPPING_FORMS = tuple(MAPPING_FORMATS)
 MATRIX_SECTIONS = {"M": "mass_matrix", "K": "stiffness_matrix", "KG": "unit_load"}
 
 BODY_CARDS = (
-    Card(
-        "BODY",
-        "body",
+    card(
+        "BODY body own",
         "body {}",
-        "own",
-        (
-            whole_column("number", "number of the body", None),
-            word_column("kind", "FLEX or RIGD", ("FLEX", "RIGD")),
-            whole_column("modes", "number of modes, 0: all"),
-            *(whole_column(f"n{i}", f"reference node {i}") for i in (1, 2, 3)),
-        ),
+        whole_column("number", "number of the body", None),
+        word_column("kind", "FLEX or RIGD", ("FLEX", "RIGD")),
+        whole_column("modes", "number of modes, 0: all"),
+        *(whole_column(f"n{i}", f"reference node {i}") for i in (1, 2, 3)),
     ),
     file_card("FEMN", "node_table", "node table", NODE_FORMS),
     file_card("FEMM", "mass_matrix", "mass matrix", MATRIX_FORMS),
     file_card("FEMK", "stiffness_matrix", "stiffness matrix", MATRIX_FORMS),
     file_card("FEMP", "mapping", "equation mapping", MAPPING_FORMS),
-    Card(
-        "FEMX",
-        "matrix_name",
+    card(
+        "FEMX matrix_name list",
         "matrix name {}",
-        "list",
-        (
-            BODY,
-            word_column("which", "M: of FEMM, K: of FEMK, KG: of FEMG", tuple(MATRIX_SECTIONS)),
-            Column("name", "name of the matrix that is meant in its file", letter="T", skip=1, default=None),
-        ),
+        BODY,
+        word_column("which", "M: of FEMM, K: of FEMK, KG: of FEMG", tuple(MATRIX_SECTIONS)),
+        Column("name", "name of the matrix that is meant in its file", letter="T", skip=1, default=None),
         bodies="FLEX",
     ),
-    Card(
-        "RIGI",
-        "rigid",
+    card(
+        "RIGI rigid body",
         "mass of body {}",
-        "body",
-        (
-            BODY,
-            Column("mass", "mass", "kg", default=None),
-            *vector_columns("c", "centre of mass, body axes", "m"),
-        ),
+        BODY,
+        Column("mass", "mass", "kg", default=None),
+        *vector_columns("c", "centre of mass, body axes", "m"),
         second=tuple(
             Column(f"J{ij}", f"inertia about the centre of mass, {ij}", "kg m^2", default=0.0)
             for ij in ("xx", "yy", "zz", "xy", "yz", "zx")
         ),
         bodies="RIGD",
     ),
-    Card(
-        "NODE",
-        "node",
+    card(
+        "NODE node list",
         "node {}",
-        "list",
-        (
-            whole_column("body", "rigid body, 0: ground"),
-            whole_column("node", "number of the node", None),
-            *vector_columns("r", "position, axes of the rigid body, of the ground global", "m"),
-        ),
+        whole_column("body", "rigid body, 0: ground"),
+        whole_column("node", "number of the node", None),
+        *vector_columns("r", "position, axes of the rigid body, of the ground global", "m"),
         bodies="RIGD",
     ),
-    Card(
-        "NSET",
-        "node_set",
+    card(
+        "NSET node_set list",
         "node set {}",
-        "list",
-        (BODY, whole_column("set", "number of the set", None)),
-        whole_column("node", "node of the set", None),
+        BODY,
+        whole_column("set", "number of the set", None),
+        more=whole_column("node", "node of the set", None),
     ),
     node_list_card("CLMP", "clamped", "clamped nodes"),
     node_list_card("ATTM", "attachment", "attachment nodes"),
     node_list_card("CRBN", "interface", "interface nodes"),
-    Card(
-        "DAMP",
-        "damping",
+    card(
+        "DAMP damping body",
         "damping of body {}",
-        "body",
-        (
-            BODY,
-            Column("alpha", "mass-proportional damping", "1/s", default=0.0),
-            Column("beta", "stiffness-proportional damping", "s", default=0.0),
-            Column("ratio", "damping ratio of every mode", default=0.0),
-        ),
+        BODY,
+        Column("alpha", "mass-proportional damping", "1/s", default=0.0),
+        Column("beta", "stiffness-proportional damping", "s", default=0.0),
+        Column("ratio", "damping ratio of every mode", default=0.0),
         bodies="FLEX",
     ),
-    Card(
-        "POSI",
-        "position",
+    card(
+        "POSI position body",
         "position of body {}",
-        "body",
-        (BODY, *vector_columns("r", "origin of the node table or rigid body, global", "m")),
+        BODY,
+        *vector_columns("r", "origin of the node table or rigid body, global", "m"),
     ),
-    Card(
-        "EULP",
-        "attitude",
+    card(
+        "EULP attitude body",
         "attitude of body {}",
-        "body",
-        (
-            BODY,
-            *(
-                Column(
-                    f"e{k}", f"Euler parameter e{k} of the axes of the node table or rigid body", default=0.0
-                )
-                for k in range(4)
-            ),
+        BODY,
+        *(
+            Column(f"e{k}", f"Euler parameter e{k} of the axes of the node table or rigid body", default=0.0)
+            for k in range(4)
         ),
     ),
-    Card(
-        "VELO",
-        "velocity",
+    card(
+        "VELO velocity body",
         "velocity of body {}",
-        "body",
-        (
-            BODY,
-            *vector_columns("v", "velocity of the body frame's origin (FLEX: n1), global axes", "m/s"),
-            *vector_columns(
-                "w", "angular velocity, axes of the body frame (FLEX: e1 from n1 to n2)", "rad/s"
-            ),
-        ),
+        BODY,
+        *vector_columns("v", "velocity of the body frame's origin (FLEX: n1), global axes", "m/s"),
+        *vector_columns("w", "angular velocity, axes of the body frame (FLEX: e1 from n1 to n2)", "rad/s"),
     ),
 )
