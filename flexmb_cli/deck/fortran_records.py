@@ -7,9 +7,8 @@ from typing import Any
 
 from ..errors import Fault, FaultList, Place
 from .fortran_card import Field, Format, cut, fortran_format, hint
-from .lines import Lines
 from .number_list import LONG, NumberList
-from .record import DeckText, Number
+from .record import DeckText, Lines, Number
 
 
 class Unreadable(Exception):

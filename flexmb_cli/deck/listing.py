@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import DeckError, Fault
 from .edit import Edit
 from .fortran_words import unit_of, value_of
-from .other_files import first_bytes, size_of
+from .text import first_bytes, size_of
 
 # Bytes.  The numbers of two listings take seven times their size in memory.
 LARGEST_LISTING = 2**29

@@ -10,10 +10,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from ..errors import DeckError, Fault
-from .lines import Lines
-from .other_files import first_bytes
-from .record import DeckText
-from .text import LARGEST_DECK, STANDARD_INPUT
+from .record import DeckText, Lines
+from .text import LARGEST_DECK, STANDARD_INPUT, first_bytes
 
 MODEL, END, STOP = "DFMB", "END ", "STOP"
 MOST_MODELS = 100  # each reads the whole deck

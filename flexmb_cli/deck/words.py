@@ -11,7 +11,7 @@ from itertools import islice
 from typing import Any, NamedTuple, cast
 
 from ..errors import Place
-from .lines import Lines, as_lines
+from .record import Lines, as_lines
 
 _WORD_OR_COMMENT = re.compile(r"\{[^}]*\}?|[^\s{]+")
 # Where a word begins it always matches.

@@ -14,8 +14,8 @@ import numpy as np
 
 from ..errors import AnalysisError, Fault, Place
 from ..model.arrays.node_joints import node_axes, spin_axis
-from ..model.equations import DEPENDENT
 from ..model.flexible_mechanism import FlexibleMechanism, NodePoint
+from ..model.joints import DEPENDENT
 from ..model.mechanism import GROUND
 from ..model.time_functions import ROTATIONS
 from ..model.vectors import euler_parameters, rotation_matrix

@@ -8,8 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
-from ..deck.lines import Lines
-from ..deck.record import Deck, DeckText
+from ..deck.record import Deck, DeckText, Lines
 from ..deck.text import read_text
 from ..dialects.recognise import CHOOSES, open_text, read_deck
 from ..errors import ANALYSIS_FAILED, INTERNAL_FAULT, DeckError, Fault, OutputError

@@ -6,7 +6,7 @@ import tracemalloc
 
 import pytest
 
-from flexmb_cli.deck.other_files import first_bytes
+from flexmb_cli.deck.text import first_bytes
 
 
 @pytest.mark.parametrize("size", [0, 1, 5, 6, 7, 2**20 + 3])

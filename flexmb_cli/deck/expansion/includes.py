@@ -16,8 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import DeckError, Fault, FlexmbError, Place
-from ..lines import Lines
-from ..record import DeckText
+from ..record import DeckText, Lines
 from ..text import LARGEST_DECK, STANDARD_INPUT, read_text
 from .expressions import CONSTANTS, Formula, WrongFormula, formula
 from .origins import Expansion, Origin, Piece

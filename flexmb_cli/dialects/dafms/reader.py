@@ -8,9 +8,8 @@ from contextlib import suppress
 from typing import Any
 
 from ...deck.fortran_records import Item, MissingRecord, Records, Unreadable
-from ...deck.lines import as_lines
 from ...deck.number_list import LongRecord, NumberList, record_of
-from ...deck.record import Deck, DeckText, Number, Record
+from ...deck.record import Deck, DeckText, Number, Record, as_lines
 from ...deck.several_models import MOST_MODELS
 from ...errors import DeckError, Place
 from ..elements_block.text import refuse_after, uncommented

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from ...deck.fortran_card import fortran_format
 from ...deck.fortran_records import Item, MissingRecord, Records
-from ...deck.lines import as_lines
 from ...deck.number_list import record_of
-from ...deck.record import Number, Record
+from ...deck.record import Number, Record, as_lines
 from ...errors import Fault, Place
 from ..elements_block.old_cards import DAFMS_FORMATS, refused
 from ..elements_block.text import begins_block, uncommented

@@ -10,8 +10,7 @@ from typing import Any
 
 from ...deck import number
 from ...deck.expansion.expressions import FORMULA
-from ...deck.lines import Lines
-from ...deck.record import Number
+from ...deck.record import Lines, Number
 from ...deck.words import Word
 from ...errors import Fault, FaultList, Place
 from ...model.laws import VECTOR

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from itertools import chain
 
-from ...deck.lines import Lines
+from ...deck.record import Lines
 from ...deck.words import Word
 from ...errors import Fault, Place
 

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 
-from ...deck.lines import as_lines
+from ...deck.record import as_lines
 
 
 def begins_vsdf(lines: Sequence[str]) -> bool:

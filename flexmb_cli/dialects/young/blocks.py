@@ -5,9 +5,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from ...deck.lines import Lines
 from ...deck.number import shown
-from ...deck.record import DeckText
+from ...deck.record import DeckText, Lines
 from ...errors import Fault, Place
 from ..elements_block.old_cards import LINES, refused
 from ..elements_block.reader import BlockReader

@@ -17,8 +17,7 @@ from ..elements_block.questions import SECTION as ELEMENT_LINE
 from ..elements_block.questions import block_lines, element_entries
 from .build import build_young
 from .build_model import build_model
-from .card import Card
-from .cards import CARDS, SHAPE_CARDS
+from .cards import CARDS, SHAPE_CARDS, Card
 from .dynamic_cards import FORWARD, INVERSE, LAST_CARD, analysis_of, read_young_deck
 from .equation_count import imbalance
 from .sections import COUNTS, YOUNG_SECTIONS, Column

@@ -9,8 +9,7 @@ from ...deck import number
 from ...deck.record import DeckText, Number, Record
 from ...deck.words import Word, words_from
 from ...errors import Fault, FaultList, Place
-from .card import Card
-from .cards import CARDS
+from .cards import CARDS, Card
 from .sections import Column
 
 # Words that stand for no number, where one is wanted, and are no keyword.

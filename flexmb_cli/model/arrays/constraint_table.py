@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from ...errors import Place
-from ..equations import Equation
 from ..flexible_mechanism import FloatingBody, NodePoint
+from ..joints import Equation
 from ..mechanism import Body
 from ..vectors import rotation_matrix
 from .function_table import FunctionTable

@@ -13,8 +13,17 @@ import numpy as np
 
 from ...errors import Place
 from ..attitudes import Attitudes, held_coordinate
-from ..equations import Equation, joint_equations
-from ..joints import BY_NAME, DISTANCE, DRIVER, NORMALISATION, PITCH, SIMPLIFIED, JointType
+from ..joints import (
+    BY_NAME,
+    DISTANCE,
+    DRIVER,
+    NORMALISATION,
+    PITCH,
+    SIMPLIFIED,
+    Equation,
+    JointType,
+    joint_equations,
+)
 from ..mechanism import Distance, Driver, Joint, Mechanism
 from ..vectors import cross, dot, rotated, rotation_matrix, unit
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..equations import Equation
+from ..joints import Equation
 
 SPEEDS_OF_BODY = ("vx", "vy", "vz", "ωx", "ωy", "ωz")
 

@@ -1,7 +1,6 @@
 """The echo of a deck: every number as it was understood, for `--echo`."""
 
-from ...deck.lines import Lines
-from ...deck.record import Deck, Number, Record
+from ...deck.record import Deck, Lines, Number, Record
 from ...dialects.recognise import dialect_named
 from ...errors import visible
 

@@ -13,7 +13,8 @@ from ...kernels.constrained.projection import project_position, project_speeds
 from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
 from ...kernels.integrators import clock as codes
-from ...model.equations import DEPENDENT
+from ...model.arrays.system import SystemArrays
+from ...model.joints import DEPENDENT
 from ..assembly import TO_GAP
 from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of, taken, taken_clock
 from ..singular.dynamic_singularities import PassedDynamicSingularities, is_singular
@@ -255,7 +256,7 @@ class LinearisableMotion(ConstrainedMotion):
             return q
         from .start_values import led_to_values
 
-        q, self.first_angles = led_to_values(self, q, t, tolerance)
+        q, self.first_angles = led_to_values(self, self.driven_arrays, q, t, tolerance)
         return q
 
     @property

@@ -11,9 +11,9 @@ import numpy as np
 from ...errors import Fault
 from ...kernels.constrained.speeds import normalise
 from ...model.arrays.system import SystemArrays
-from ...model.equations import DEPENDENT, Equation
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.joint_elements import CompositeJoint
+from ...model.joints import DEPENDENT, Equation
 from ...model.loads import DynamicModel
 from ...model.mechanism import Joint
 from ..assembly import Sized, displacements, is_closed, nearest_of

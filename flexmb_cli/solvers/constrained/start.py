@@ -17,9 +17,8 @@ from ...kernels.constrained.projection import fill_nu, project_position
 from ...kernels.constrained.system import GAMMA, NO_INERTIA
 from ...model.arrays.system import SystemArrays
 from ...model.by_size import by_size
-from ...model.equations import DEPENDENT, Equation
 from ...model.joint_elements import JointStart
-from ...model.joints import ANGLE
+from ...model.joints import ANGLE, DEPENDENT, Equation
 from ...model.loads import InitialVelocity
 from ...model.mechanism import Joint
 from ...model.vectors import rotation_matrix

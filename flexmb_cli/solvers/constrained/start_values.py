@@ -1,20 +1,18 @@
 """Joint coordinates that a deck gives at the start: the assembled mechanism is led to them."""
 
 import math
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...kernels.constrained.angle_unwrapping import fill_angles
+from ...model.arrays.system import SystemArrays
 from ...model.joint_elements import JointDriver, JointStart
 from ...model.time_functions import POLYNOMIAL, MotionFunction
 from .first_position import assemble
+from .state import ConstrainedState
 from .system import PositionGaps, constrained_system, new_work, starts_sparse
-
-if TYPE_CHECKING:
-    from .analysis import LinearisableMotion
 
 LONGEST_LEAD = (
     0.25  # rad, or lengths of the mechanism: a position is then near the one before, and angles know turns
@@ -23,18 +21,23 @@ AT_REST = MotionFunction(POLYNOMIAL, (0.0, 0.0, 0.0, 0.0))
 
 
 def led_to_values(
-    analysis: "LinearisableMotion", q: np.ndarray, t: float, tolerance: float
+    analysis: ConstrainedState,
+    driven_arrays: Callable[[tuple[JointDriver, ...]], SystemArrays],
+    q: np.ndarray,
+    t: float,
+    tolerance: float,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return coordinates (n + b,) with the values of lines START, and angles; raises AnalysisError.
 
-    q (n + b,) meets all equations of the mechanism; `tolerance` as in `assemble`.
+    q (n + b,) meets all equations of the mechanism; `tolerance` as in `assemble`; `driven_arrays`: those of the
+    mechanism with further drivers, whose equations are the last.
     """
     starts = [item for item in analysis.elements.starts if item.value is not None]
     angles = analysis.arrays.angles
     if not starts:
         return q, angles
     drivers = tuple(JointDriver(s.name, s.joint, s.coordinate, AT_REST, s.place) for s in starts)
-    arrays = analysis.driven_arrays(drivers)
+    arrays = driven_arrays(drivers)
     gaps = PositionGaps(arrays, constrained_system(arrays), new_work(arrays))
     gaps.sparse = starts_sparse(arrays)
     # The equations of the values are the last ones.

@@ -8,9 +8,9 @@ import numpy as np
 
 from ...errors import Fault
 from ...model.arrays.system import SystemArrays
-from ...model.equations import DEPENDENT
 from ...model.integrators import Integrator
 from ...model.joint_elements import JointElements
+from ...model.joints import DEPENDENT
 from ...model.laws import Element
 from ...model.loads import InitialVelocity
 from ...model.mechanism import TimeGrid

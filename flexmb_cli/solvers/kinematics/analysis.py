@@ -27,7 +27,7 @@ from .assembly import (
     too_large_to_rank,
 )
 from .driver_axes import keeps_axis, refuse_contradicted_drive, refuse_off_axis_drive
-from .joint_motion import JointMotion, WholeTurns
+from .joint_motion import WholeTurns
 from .position import KinematicSettings, with_dependent_columns
 from .rows import Rows, first_rows, joined_rows, rows_of
 from .state import KinematicState
@@ -46,7 +46,6 @@ class KinematicAnalysis(KinematicState):
         super().__init__(mechanism, settings)
         self.singularities = PassedKinematicSingularities(self)
         self.row = 0  # of the next block
-        self.joints = JointMotion(mechanism)
         self.turns = WholeTurns(self.joints.turning)
 
     def rows(self) -> Iterator[Rows]:

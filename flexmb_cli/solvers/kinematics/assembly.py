@@ -11,8 +11,7 @@ import numpy as np
 
 from ...errors import AnalysisError, Fault, ModelError
 from ...model.arrays.kinematic import KinematicArrays
-from ...model.equations import DEPENDENT, Equation
-from ...model.joints import JOINT_TYPES
+from ...model.joints import DEPENDENT, JOINT_TYPES, Equation
 from ..assembly import DAMPINGS, Sized, is_closed, nearest_of
 from ..projection import Corrections, Instant, Position, improving, project
 from ..singular.mobility import (

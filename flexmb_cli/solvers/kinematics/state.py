@@ -11,6 +11,7 @@ from ...kernels.kinematics.continuation import BUDGET, CLOCK_SIZE, TIME
 from ...kernels.kinematics.newton import SparseWork, make_sparse_work
 from ...model.arrays.kinematic import KinematicArrays, kinematic_arrays
 from ...model.mechanism import Mechanism
+from .joint_motion import JointMotion
 from .position import Evaluator, KinematicSettings, kinematic_system
 
 KINEMATIC_CALL_WORK = 2_000_000  # steps x equations² handed to the kernel at a time
@@ -30,6 +31,7 @@ class KinematicState:
         self.settings = settings or KinematicSettings()
         self.system = kinematic_system(self.arrays, self.settings)
         self.warnings: list[Fault] = []
+        self.joints = JointMotion(mechanism)
         self._sparse: SparseWork | None = None
         self._left_out: tuple[tuple[int, ...], tuple[int, ...]] = (), ()
         self._restart(self.arrays.q)

@@ -14,7 +14,7 @@ from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.motion import derivative, parts
 from ...model.arrays.tree_elements import REPEATED
 from ...model.arrays.tree_frames import rotation_matrix
-from ...model.equations import DEPENDENT
+from ...model.joints import DEPENDENT
 from ...model.tree import ROTATION, Tree
 from ..tree.analysis import TreeAnalysis, hold_functions
 from ..tree.assembly import assemble_tree

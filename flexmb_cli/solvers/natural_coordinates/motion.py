@@ -11,7 +11,7 @@ import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...model.arrays.dynamic import inertia_matrix
-from ...model.equations import DEPENDENT
+from ...model.joints import DEPENDENT
 from ...model.loads import DynamicModel
 from ...model.mechanism import Mechanism
 from .equations import SIZE, natural_equations, point, rotation_of, vector

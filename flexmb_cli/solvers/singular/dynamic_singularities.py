@@ -13,7 +13,7 @@ import numpy as np
 
 from ...kernels.constrained.accelerations import evaluate_jacobian
 from ...kernels.constrained.speeds import move
-from ...model.equations import DEPENDENT, Equation
+from ...model.joints import DEPENDENT, Equation
 from ..checkpoint import OtherRun, taken
 from ..constrained.state import ConstrainedState
 from ..constrained.system import PositionGaps, dense_jacobian, is_large, new_work, sparse_jacobian
@@ -21,12 +21,14 @@ from ..projection import Corrections, Instant, project
 from .conditioning import (
     NEARLY_SINGULAR,
     Conditioning,
+    Passed,
+    PassedSingularities,
     condition_text,
     conditioning_of,
+    least_by_thirds,
     owners_text,
     weakest_owners,
 )
-from .singularity_search import Passed, PassedSingularities, least_by_thirds
 from .sparse_rank import order_of_pivots, sparse_conditioning
 
 if TYPE_CHECKING:

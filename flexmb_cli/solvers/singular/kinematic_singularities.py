@@ -17,15 +17,22 @@ import numpy as np
 from ...errors import AnalysisError
 from ...kernels.kinematics import constraints as equations
 from ...kernels.kinematics.continuation import BUDGET, NEXT_LENGTH, SIGN, SPENT, TIME
-from ...model.equations import Equation
+from ...model.joints import Equation
 from ..kinematics.assembly import nearest_position
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import Rows, rows_of
 from ..kinematics.state import KinematicState
 from ..projection import RESIDUAL_MET, Corrections, Instant, project
-from .conditioning import NEARLY_SINGULAR, Conditioning, conditioning, conditioning_text, weakest_joints
+from .conditioning import (
+    NEARLY_SINGULAR,
+    Conditioning,
+    Passed,
+    PassedSingularities,
+    conditioning,
+    conditioning_text,
+    weakest_joints,
+)
 from .mobility import about, gap_norms, worst_gaps
-from .singularity_search import Passed, PassedSingularities
 
 # Iterations of a row that are many where others take few, and many anywhere.  A bifurcation takes ten or
 # more.

@@ -10,7 +10,7 @@ from ...errors import Fault
 from ...model.arrays.kinematic import KinematicArrays
 from ...model.arrays.system import SystemArrays
 from ...model.by_size import by_size, first_of_largest
-from ...model.equations import DEPENDENT, Equation
+from ...model.joints import DEPENDENT, Equation
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g
 from ..projection import RESIDUAL_MET, Corrections, Instant, project

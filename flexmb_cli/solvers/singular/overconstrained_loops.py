@@ -13,7 +13,7 @@ from ...errors import AnalysisError, Fault
 from ...kernels.constrained.accelerations import choose_order
 from ...kernels.constrained.system import Work
 from ...model.by_size import first_of_largest
-from ...model.equations import DEPENDENT
+from ...model.joints import DEPENDENT
 from ..assembly import LOOSEST, TO_GAP, Sized, nearest_of
 from ..constrained.system import PositionGaps, dense_jacobian, is_large
 from ..projection import RESIDUAL_MET, Corrections, Instant, Position, largest, project, shortened

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...kernels.linalg.local_order import choose_local
 from ...model.by_size import by_size
-from ...model.equations import Equation
+from ...model.joints import Equation
 from ..projection import saddle_point
 from .conditioning import Conditioning
 from .mobility import NAMED, Mobility

@@ -13,8 +13,8 @@ from ...kernels.tree.loads import set_prescribed
 from ...kernels.tree.motion import normalise_attitudes, parts, turn_attitudes
 from ...kernels.tree.projection import evaluate_gaps
 from ...model.arrays.tree import TreeArrays, body_frames
-from ...model.equations import DEPENDENT
 from ...model.joint_elements import Coupling
+from ...model.joints import DEPENDENT
 from ...model.tree import ASSEMBLED_GAP, ELASTIC, TRANSLATION, Closure, Tree
 from ...model.tree_as_mechanism.poses import repeated_in_planar_tree
 from ..assembly import DAMPINGS, OTHER_STARTS, least_squares

@@ -7,9 +7,14 @@ import numpy as np
 import pytest
 
 from flexmb_cli.errors import Place
-from flexmb_cli.model.equations import Equation
-from flexmb_cli.solvers.singular.conditioning import MOST_NOTES, conditioning_of
-from flexmb_cli.solvers.singular.singularity_search import Passed, PassedSingularities, least_by_thirds
+from flexmb_cli.model.joints import Equation
+from flexmb_cli.solvers.singular.conditioning import (
+    MOST_NOTES,
+    Passed,
+    PassedSingularities,
+    conditioning_of,
+    least_by_thirds,
+)
 
 NAMES = tuple(Equation(f"spherical joint {k}", "x", Place(k + 6, 1), 1.0) for k in (1, 2))
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix, diags
 
-from flexmb_cli.model.equations import Equation
+from flexmb_cli.model.joints import Equation
 from flexmb_cli.solvers.projection import shortest_correction
 from flexmb_cli.solvers.singular.sparse_rank import order_of_pivots, sparse_conditioning, sparse_mobility
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.errors import Place
-from flexmb_cli.model.equations import Equation
+from flexmb_cli.model.joints import Equation
 from flexmb_cli.solvers.singular.conditioning import (
     MOST_NOTES,
     SingularityNotes,
