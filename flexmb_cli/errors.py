@@ -218,7 +218,7 @@ class OutputError(FlexmbError):
 def compiler_style(deck_name: str, faults: "Sequence[Any]", lines: "Sequence[str]" = ()) -> str:
     """Text of `faults` as compilers print them: place, severity, sentence, the line and a caret.
 
-    `lines` are the deck's lines, which may know another place where they were read (`deck.lines.Lines`); a
+    `lines` are the deck's lines, which may know another place where they were read (`deck.record.Lines`); a
     fault without a place shows neither line nor caret.
     """
     deck_name = visible(deck_name)
