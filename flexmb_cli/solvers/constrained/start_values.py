@@ -29,8 +29,8 @@ def led_to_values(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return coordinates (n + b,) with the values of lines START, and angles; raises AnalysisError.
 
-    q (n + b,) meets all equations of the mechanism; `tolerance` as in `assemble`; `driven_arrays`: those of the
-    mechanism with further drivers, whose equations are the last.
+    q (n + b,) meets all equations of the mechanism; `tolerance` as in `assemble`; `driven_arrays`: those of
+    the mechanism with further drivers, whose equations are the last.
     """
     starts = [item for item in analysis.elements.starts if item.value is not None]
     angles = analysis.arrays.angles
