@@ -59,6 +59,8 @@ from .terminal.screen import WrongCall, notify, show, standard_output, wants_deb
               help="YOUNG: with the errors of the program of 1996, to explain old listings.")  # fmt: skip
 @click.option("--estimate-error", is_flag=True,
               help="Run a second time with finer steps: the global error of every quantity.")  # fmt: skip
+@click.option("--from-equilibrium", is_flag=True,
+              help="Begin at rest, in the equilibrium under the loads.")  # fmt: skip
 def run(decks: Any, as_json: bool, quiet: bool, verbose: bool, jobs: int, **options: Any) -> None:
     """Solve every DECK and write its OUT table and HDF5 result.
 

@@ -159,7 +159,8 @@ class _Points:
         given = self.model.elements
         if not given:
             return given
-        return replace(given, forces=tuple(map(self._attached, given.forces)))
+        curves = tuple(replace(c, P_i=self.point(c.P_i), P_j=self.point(c.P_j)) for c in given.curves)
+        return replace(given, forces=tuple(map(self._attached, given.forces)), curves=curves)
 
     def _attached(self, item: Element) -> Element:
         ends = item.measure

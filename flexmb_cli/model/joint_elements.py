@@ -1,4 +1,4 @@
-"""Drivers, force elements and couplings at joints, and composite joints.
+"""Drivers, force elements and couplings at joints, composite joints, and points on curves.
 
 A joint coordinate is the angle of body J against body I about the joint's axis, rad, or the stroke of P_j
 along it, m; both are 0 at the deck's estimates.  Hinges of a tree have the coordinates "rotation 1" to
@@ -7,16 +7,26 @@ whose axes are global.
 """
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Any
+
+import numpy as np
 
 from ..errors import Place
 from .joints import JOINT_TYPES, NODE_JOINT_TYPES
 from .laws import Element, Law, is_angle
 from .mechanism import Vector
-from .time_functions import MotionFunction
+from .time_functions import MotionFunction, values_at
 
+CURVE_SAMPLES = 400  # places of a curve at which it is looked at
+ARC_PANELS = 256  # of its arc length, each integrated by Gauss's formula
+ARC_FORMULA = np.polynomial.legendre.leggauss(8)
+ALIKE = 1e-9  # of a curve's size: places, and derivatives by its parameter's range, that count as equal
+STANDSTILL = 1e-9  # of the largest rate: below it a curve stands still
+LEAST_SINE = 1e-2  # sine of that between a curve and the vector across it
+BEYOND_END = 1e-9  # of a curve's length: farther beyond an end, the point has left the curve
 USUAL_EXPONENT = 10  # of two, of the largest factor of a coupling that is left as it is
 # The coordinates that the joints of each type have.
 COORDINATES_OF = {kind.name: kind.coordinates for kind in (*JOINT_TYPES, *NODE_JOINT_TYPES)}
@@ -70,6 +80,122 @@ class Coupling:
 
 
 @dataclass(frozen=True)
+class Curve:
+    """A point P_j of body j on the curve P_i + (f(s), g(s), h(s)), fixed in the axes of body i.
+
+    `begin`, `end`: range of the parameter s; a closed curve continues beyond them.  Ends: points, or nodes.
+    """
+
+    name: str
+    i: int
+    j: int
+    P_i: Any
+    P_j: Any
+    functions: tuple[MotionFunction, MotionFunction, MotionFunction]
+    begin: float
+    end: float
+    place: Place | None = None
+
+    def at(self, s: np.ndarray) -> np.ndarray:
+        """Points, and their first two derivatives by the parameter (3, n, 3), at parameters s (n,)."""
+        return np.stack([values_at(function, s) for function in self.functions], axis=2)
+
+    @cached_property
+    def _samples(self) -> tuple[np.ndarray, np.ndarray]:
+        s = np.linspace(self.begin, self.end, CURVE_SAMPLES + 1)
+        return s, self.at(s)
+
+    @cached_property
+    def closed(self) -> bool:
+        """Return whether it continues after its end as it began."""
+        s, (first, *rates) = self._samples
+        span = s[-1] - s[0]
+        _, ahead = s, self.at(s[: CURVE_SAMPLES // 4] + span)
+        sizes = [np.ptp(first), *(np.max(np.abs(rate)) for rate in rates)]
+        own = (first, *rates)
+        return all(
+            np.max(np.abs(a - b[: len(a)])) <= ALIKE * max(size, sizes[0] / span**k)
+            for k, (a, b, size) in enumerate(zip(ahead, own, sizes, strict=True))
+        )
+
+    @property
+    def standstill(self) -> float | None:
+        """Parameter at which the curve has no direction; None where it has one everywhere."""
+        s, (_, rate, _) = self._samples
+        speed = np.linalg.norm(rate, axis=1)
+        slowest = int(np.argmin(speed))
+        return None if speed[slowest] > STANDSTILL * np.max(speed) else float(s[slowest])
+
+    @cached_property
+    def across(self) -> np.ndarray | None:
+        """Unit vector (3,) that the curve is nowhere parallel to, of a plane curve its normal."""
+        _, (_, rate, _) = self._samples
+        tangents = rate / np.linalg.norm(rate, axis=1)[:, None]
+        axes = np.linalg.svd(tangents)[2]
+        signs = np.array([(1, 1, 1), (1, 1, -1), (1, -1, 1), (-1, 1, 1)]) / math.sqrt(3.0)
+        trials = np.concatenate([np.eye(3), axes[::-1], signs])
+        angles = np.linalg.norm(np.cross(trials[:, None], tangents[None]), axis=2).min(axis=1)
+        best = int(np.argmax(angles > angles.max() - LEAST_SINE))
+        return trials[best] if angles[best] > LEAST_SINE else None
+
+    def lies_across(self, normal: np.ndarray) -> bool:
+        """Return whether a direction (3,), axes of its body, is at right angles to it everywhere."""
+        rate = self._samples[1][1]
+        return bool(np.max(np.abs(rate @ normal)) <= ALIKE * np.max(np.abs(rate)))
+
+    def nearest(self, p: np.ndarray) -> float:
+        """Parameter of the place nearest to a point (3,), from P_i, in the curve's axes, among samples."""
+        s, (c, *_) = self._samples
+        best = int(np.argmin(np.linalg.norm(c - p, axis=1)))
+        return float(s[best])
+
+    @cached_property
+    def _table(self) -> np.ndarray:
+        s = np.linspace(self.begin, self.end, ARC_PANELS + 1)
+        return np.concatenate([[0.0], np.cumsum(self._integrals(s[:-1], s[1:]))])
+
+    def _integrals(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Lengths (n,) between parameters a and b (n,)."""
+        x, w = ARC_FORMULA
+        half = (b - a) / 2.0
+        s = (a + b)[:, None] / 2.0 + half[:, None] * x
+        speed = np.linalg.norm(self.at(s.ravel())[1], axis=1).reshape(s.shape)
+        found: np.ndarray = half * (speed @ w)
+        return found
+
+    def lengths(self, s: np.ndarray) -> np.ndarray:
+        """Arc lengths (n,), m, from the beginning to the parameters s (n,)."""
+        span, whole = self.end - self.begin, np.zeros(s.shape)
+        if self.closed:
+            whole = np.floor((s - self.begin) / span)
+        rest = s - whole * span
+        width = span / ARC_PANELS
+        panel = np.clip(np.floor((rest - self.begin) / width), 0, ARC_PANELS - 1).astype(int)
+        found: np.ndarray = (
+            whole * self._table[-1] + self._table[panel] + self._integrals(self.begin + panel * width, rest)
+        )
+        return found
+
+    @property
+    def length(self) -> float:
+        """Arc length from beginning to end, m."""
+        return float(self._table[-1])
+
+    def first_outside(self, lengths: np.ndarray) -> int:
+        """Place of the first arc length (n,) beyond an end of an open curve; n where there is none."""
+        beyond = BEYOND_END * self.length
+        outside = (lengths < -beyond) | (lengths > self.length + beyond)
+        return int(np.argmax(outside)) if outside.any() and not self.closed else len(lengths)
+
+
+def first_outside(curves: Sequence[Curve], lengths: np.ndarray) -> tuple[int, Curve | None]:
+    """Return the first row of arc lengths (T, curves) that leaves a curve, and that curve; T and None."""
+    found = [(curve.first_outside(s), k) for k, (curve, s) in enumerate(zip(curves, lengths.T, strict=True))]
+    row, k = min(found, default=(len(lengths), -1))
+    return row, None if row == len(lengths) else curves[k]
+
+
+@dataclass(frozen=True)
 class CompositeJoint:
     """A joint with a massless link: "revolute-cylindrical", "revolute-spherical" or "spherical-spherical".
 
@@ -111,6 +237,7 @@ class JointElements:
     couplings: tuple[Coupling, ...] = ()
     composites: tuple[CompositeJoint, ...] = ()
     starts: tuple[JointStart, ...] = ()
+    curves: tuple[Curve, ...] = ()
 
     def __bool__(self) -> bool:
         return any(getattr(self, field.name) for field in fields(self))

@@ -52,7 +52,26 @@ def spline_table(times: Sequence[float], values: Sequence[float]) -> Pieces:
         c = np.polynomial.polynomial.polyfit(t - t[0], f, len(t) - 1)
         return ((float(t[0]), *map(float, c)),)
     h, slopes = np.diff(t), np.diff(f) / np.diff(t)
-    bends = _not_a_knot(h, slopes)
+    return _cubics(t, f, slopes, _not_a_knot(h, slopes))
+
+
+def periodic_spline(times: Sequence[float], values: Sequence[float]) -> Pieces:
+    """The cubic spline through three points or more whose first two derivatives are the same at both ends."""
+    t, f = np.asarray(times, float), np.asarray(values, float)
+    h, slopes = np.diff(t), np.diff(f) / np.diff(t)
+    before = np.roll(h, 1)
+    matrix = np.diag(2.0 * (before + h))
+    k = np.arange(len(h))
+    np.add.at(matrix, (k, k - 1), before)
+    np.add.at(matrix, (k, (k + 1) % len(h)), h)
+    bends = np.linalg.solve(matrix, 6.0 * (slopes - np.roll(slopes, 1)))
+    bends = np.append(bends, bends[0])
+    return _cubics(t, f, slopes, bends)
+
+
+def _cubics(t: np.ndarray, f: np.ndarray, slopes: np.ndarray, bends: np.ndarray) -> Pieces:
+    """Pieces between points t, f (k,) with their second derivatives, `bends` (k,)."""
+    h = np.diff(t)
     return tuple(
         (
             float(t[k]),

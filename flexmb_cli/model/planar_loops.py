@@ -2,14 +2,15 @@
 
 A revolute or translational joint has five equations where the plane needs two: the other three, one
 displacement and two turns, are given once too often for every closed loop.  A composite joint gives those of
-them that it has once too often where joints lead from one of its bodies to the other.
+them that it has once too often where joints lead from one of its bodies to the other, as a curve does the
+displacement.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from .joint_elements import CompositeJoint
+from .joint_elements import CompositeJoint, Curve
 from .mechanism import SINE_OF_PARALLELS, Joint, Vector
 from .vectors import cross, length, rotation_matrix
 
@@ -23,6 +24,7 @@ def repeated_in_plane(
     grounds: Sequence[int],
     attitudes: np.ndarray,
     composites: Sequence[CompositeJoint | Joint] = (),
+    curves: Sequence[Curve] = (),
 ) -> int | None:
     """Number of repeated equations of planar joints; None unless all of them move in one plane.
 
@@ -45,7 +47,10 @@ def repeated_in_plane(
             parts[item.i] != parts[item.j] or not _lies_in_plane(item, attitudes, normal)
         ):
             return None
-    return REPEATED_EQUATIONS * loops + sum(OUT_OF_PLANE[item.kind] for item in composites)
+    tied = [curve for curve in curves if parts[curve.i] == parts[curve.j]]
+    if not all(curve.lies_across(_attitude(curve.i, attitudes).T @ normal) for curve in tied):
+        return None
+    return REPEATED_EQUATIONS * loops + sum(OUT_OF_PLANE[item.kind] for item in composites) + len(tied)
 
 
 def _lies_in_plane(item: CompositeJoint | Joint, attitudes: np.ndarray, normal: np.ndarray) -> bool:
@@ -62,11 +67,13 @@ def _axis(joint: Joint, attitudes: np.ndarray) -> np.ndarray:
 
 def _turned(axis: Vector, body: int, attitudes: np.ndarray) -> np.ndarray:
     """Return the unit vector along an axis of a body, global axes."""
-    s = np.array(axis)
-    if body >= 0:
-        s = rotation_matrix(attitudes[body]) @ s
+    s = _attitude(body, attitudes) @ np.array(axis)
     found: np.ndarray = s / np.linalg.norm(s)
     return found
+
+
+def _attitude(body: int, attitudes: np.ndarray) -> np.ndarray:
+    return rotation_matrix(attitudes[body]) if body >= 0 else np.eye(3)
 
 
 def _loops(joints: Sequence[Joint], grounds: Sequence[int], bodies: int) -> tuple[int, list[int]]:

@@ -13,9 +13,16 @@ from typing import Any
 import numpy as np
 
 from ..errors import Place
-from .piecewise_polynomials import Pieces, continuous_rates, integral, linear_table, value_and_rates
+from .piecewise_polynomials import (
+    Pieces,
+    continuous_rates,
+    integral,
+    linear_table,
+    periodic_spline,
+    value_and_rates,
+)
 
-POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND = 1, 2, 3, 4, 5, 6, 7
+POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND, PERIODIC = 1, 2, 3, 4, 5, 6, 7, 8
 
 
 @dataclass(frozen=True, slots=True)  # a deck may have thousands
@@ -26,8 +33,8 @@ class MotionFunction:
     w (t - T/2), with w = c0.  3: c0 + c1 sin(c2 t + c3).  4: the natural cubic spline through the points
     (`times`, `values`), whose `curvature` (k,) is known at each; outside it continues straight.  5: the same,
     which keeps its first and last value outside.  6: `pieces`, see `piecewise_polynomials`.  7: the sum of
-    `terms`, each a product of functions of the other types.  The points of a table may be a million: arrays
-    of doubles.
+    `terms`, each a product of functions of the other types.  8: `pieces` that repeat with the period c0.
+    The points of a table may be a million: arrays of doubles.
     """
 
     kind: int
@@ -122,6 +129,11 @@ def _pieces(function: MotionFunction, t: float) -> tuple[float, float, float]:
     return value_and_rates(function.pieces, t)
 
 
+def _periodic(function: MotionFunction, t: float) -> tuple[float, float, float]:
+    begin = function.pieces[0][0]
+    return value_and_rates(function.pieces, begin + (t - begin) % function.c[0])
+
+
 def _compound(function: MotionFunction, t: float) -> tuple[float, float, float]:
     total = (0.0, 0.0, 0.0)
     for factors in function.terms:
@@ -140,12 +152,38 @@ _VALUES = {
     HELD_TABLE: _held,
     PIECEWISE: _pieces,
     COMPOUND: _compound,
+    PERIODIC: _periodic,
 }
+
+
+def values_at(function: MotionFunction, t: np.ndarray) -> np.ndarray:
+    """Values (3, n) of a function and its first two derivatives at t (n,)."""
+    if function.kind not in (PIECEWISE, PERIODIC):
+        return np.array([function.at(x) for x in t.tolist()]).reshape(-1, 3).T
+    starts = np.array([piece[0] for piece in function.pieces])
+    if function.kind == PERIODIC:
+        t = starts[0] + (t - starts[0]) % function.c[0]
+    k = np.maximum(np.searchsorted(starts, t, side="right") - 1, 0)
+    c = np.zeros((len(starts), max(map(len, function.pieces)) - 1))
+    for row, piece in zip(c, function.pieces, strict=True):
+        row[: len(piece) - 1] = piece[1:]
+    x, found = t - starts[k], np.zeros((3, len(t)))
+    for column in c.T[::-1]:
+        found[2] = found[2] * x + 2.0 * found[1]
+        found[1] = found[1] * x + found[0]
+        found[0] = found[0] * x + column[k]
+    return found
 
 
 def piecewise(pieces: Pieces) -> MotionFunction:
     """The function of these pieces."""
     return MotionFunction(PIECEWISE, pieces=pieces)
+
+
+def periodic(times: Sequence[float], values: Sequence[float]) -> MotionFunction:
+    """The cubic spline through the points that repeats after the last, whose value is the first one."""
+    pieces = periodic_spline(times, values)
+    return MotionFunction(PERIODIC, (float(times[-1]) - float(times[0]), 0.0, 0.0, 0.0), pieces=pieces)
 
 
 def pulse(value: float, duration: float) -> MotionFunction:

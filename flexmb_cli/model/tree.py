@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import Place
-from .joint_elements import JointElements
+from .joint_elements import Curve, JointElements
 from .mechanism import TimeGrid, Vector
 from .time_functions import MotionFunction
 
@@ -129,7 +129,8 @@ class Closure:
     """A cut joint: a point of body `a` keeps to a point of body `b` in `directions` (axes 1, 2, 3).
 
     The directions are axes of body b, inertial ones for b = -1.  A point is `a_node` of a flexible
-    body or, when that is None, `a_point` in the body's axes.
+    body or, when that is None, `a_point` in the body's axes.  On a `curve` of body b from point b on, the
+    directions 1 and 2 are its normals.
     """
 
     name: str
@@ -141,6 +142,7 @@ class Closure:
     a_point: Vector = (0.0, 0.0, 0.0)
     b_point: Vector = (0.0, 0.0, 0.0)
     place: Place | None = None
+    curve: Curve | None = None
 
 
 @dataclass(frozen=True)

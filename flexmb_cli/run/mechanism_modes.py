@@ -100,7 +100,7 @@ def record_of(space: "StateSpace") -> dict[str, Any]:
 def flexible_modes(mechanism: FlexibleMechanism, wish: Wish, run: Run) -> MechanismModes:
     """Linearised motion of a mechanism of flexible bodies; raises AnalysisError where there are none."""
     speeds = sum(6 + body.modes for body in mechanism.bodies)
-    with _kernels(speeds, wish, mechanism.time, run.listener):
+    with kernels_for(speeds, wish, mechanism.time, run.listener):
         from ..solvers.constrained.flexible_dynamics import FlexibleDynamics
 
         return _of_mechanism(FlexibleDynamics(mechanism), wish, run)
@@ -109,13 +109,13 @@ def flexible_modes(mechanism: FlexibleMechanism, wish: Wish, run: Run) -> Mechan
 def dynamic_modes(model: DynamicModel, wish: Wish, run: Run) -> MechanismModes:
     """Linearised motion of a dynamic model; raises AnalysisError where there are none."""
     run.warn(())
-    with _kernels(6 * len(model.mechanism.bodies), wish, model.mechanism.time, run.listener):
+    with kernels_for(6 * len(model.mechanism.bodies), wish, model.mechanism.time, run.listener):
         from ..solvers.constrained.young_dynamics import ForwardDynamics
 
         return _of_mechanism(ForwardDynamics(model), wish, run)
 
 
-def _kernels(
+def kernels_for(
     speeds: int,
     wish: Wish,
     grid: TimeGrid,
@@ -184,7 +184,7 @@ def _of_mechanism(analysis: "LinearisableMotion", wish: Wish, run: Run) -> Mecha
 def tree_modes(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
     """Linearised motion of a tree; raises ModelError, AnalysisError."""
     entry = "integrators.tree_dop853.integrate_rows"
-    with _kernels(len(tree.coordinates), wish, tree.time, run.listener, entry):
+    with kernels_for(len(tree.coordinates), wish, tree.time, run.listener, entry):
         return _of_tree(tree, wish, run)
 
 

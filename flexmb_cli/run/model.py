@@ -19,7 +19,7 @@ from ..deck.text import STANDARD_INPUT
 from ..dialects.recognise import dialect_named, open_text, read_deck
 from ..errors import Fault
 from ..solvers.as_printed.errors import AS_PRINTED
-from .outcome import LOOP_TOLERANCE, SOLVER_OPTIONS, Outcome, Run, RunOptions
+from .outcome import FROM_EQUILIBRIUM, LOOP_TOLERANCE, SOLVER_OPTIONS, Outcome, Run, RunOptions
 
 if TYPE_CHECKING:
     from ..model.loads import DynamicModel
@@ -155,7 +155,7 @@ def _options_of(deck: Deck) -> list[str]:
     """The options on which numbers of this deck depend: those of steps only where steps are taken."""
     dialect = dialect_named(deck.dialect)
     own = [name for name in dialect.options if name not in INTEGRATION or dialect.takes_steps(deck)]
-    return [*own, LOOP_TOLERANCE]
+    return [*own, LOOP_TOLERANCE, FROM_EQUILIBRIUM]
 
 
 def warn_of_foreign_options(deck: Deck, options: RunOptions, outcome: Outcome) -> None:

@@ -12,6 +12,7 @@ from ..memory import LACK_OF_MEMORY, lack_of_memory_text, lacks_memory
 INTERRUPTED, TERMINATED = 130, 143
 
 KANE, ABSOLUTE = "kane", "absolute"
+FROM_EQUILIBRIUM = "from-equilibrium"
 LOOP_TOLERANCE = "loop-tolerance"
 
 
@@ -81,7 +82,8 @@ class RunOptions:
     `solver` are fields of `KinematicSettings`, `integration` of `model.tree.Integration`; `formulation` of
     a tree: KANE or ABSOLUTE; `as_printed`: a YOUNG deck is solved with the errors of the program of 1996;
     `debug`: faults of flexmb itself are raised; `only`: names of quantities that the HDF5 result holds, all
-    without any; `force`: files that flexmb did not make are replaced, too.
+    without any; `force`: files that flexmb did not make are replaced, too;
+    `from_equilibrium`: the motion begins at rest.
     """
 
     dialect: str = "auto"
@@ -104,6 +106,7 @@ class RunOptions:
     only: tuple[str, ...] = ()
     force: bool = False
     loop_tolerance: float | None = None
+    from_equilibrium: bool = False
 
     @property
     def given_numbers(self) -> tuple[tuple[str, object], ...]:
@@ -113,7 +116,8 @@ class RunOptions:
         """
         solver = ((SOLVER_OPTIONS.get(key, key), value) for key, value in self.solver.items())
         formulation = () if self.formulation == KANE else (("formulation", self.formulation),)
-        flags = (("as-printed", None),) if self.as_printed else ()
+        flags: tuple[tuple[str, object], ...] = (("as-printed", None),) if self.as_printed else ()
+        flags += ((FROM_EQUILIBRIUM, None),) if self.from_equilibrium else ()
         loops = () if self.loop_tolerance is None else ((LOOP_TOLERANCE, self.loop_tolerance),)
         return (*solver, *flags, *self.integration.items(), *formulation, *loops)
 

@@ -12,7 +12,7 @@ from ...model.diagnostics import Findings
 from ...model.flexible_mechanism import NodePoint
 from ...model.joint_elements import Coupling, JointDriver, JointElements, JointStart
 from ...model.time_functions import MotionFunction
-from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Hinge, Tree
+from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Closure, Hinge, Tree
 from ...model.tree_as_mechanism.frames import shape_of
 from ..elements_block.build import BlockBuilder
 from ..elements_block.functions import Functions
@@ -32,11 +32,46 @@ def with_elements(tree: Tree, lines: Sequence[Any], folder: Path, findings: Find
     functions.note_unused()
     _refuse_prescribed(tree, elements, findings)
     forces = (*tree.elements.forces, *elements.forces)
-    tree = replace(tree, elements=replace(elements, forces=forces, starts=()), **_start(tree, elements))
+    closures = (*tree.closures, *_closures(tree, elements, findings))
+    tree = replace(
+        tree,
+        elements=replace(elements, forces=forces, starts=()),
+        closures=closures,
+        **_start(tree, elements),
+    )
     for item in elements.couplings:
         if not item.function:
             _check_speeds(tree, item, findings)
     return tree
+
+
+def _closures(tree: Tree, elements: JointElements, findings: Findings) -> Iterator[Closure]:
+    """Yield the closures of points on curves."""
+    for curve in elements.curves:
+        if _node_of(tree, curve.P_i) is not None:
+            message = "nodes have no axes in which a curve could be given; fix it to a point, body(x,y,z)"
+            findings.error(curve.name, message, curve.place, id="ELEMENTS-126")
+            continue
+        yield Closure(
+            curve.name,
+            curve.j,
+            curve.i,
+            (1, 2),
+            _node_of(tree, curve.P_j),
+            a_point=tuple(curve.P_j.r0),
+            b_point=tuple(curve.P_i.r0),
+            place=curve.place,
+            curve=curve,
+        )
+
+
+def _node_of(tree: Tree, point: NodePoint) -> int | None:
+    """Node of a flexible body at an end; None of a point."""
+    if not point.shape.any():
+        return None
+    elastic = tree.bodies[point.body].elastic
+    assert elastic is not None, "the body has nodes"
+    return int(np.argmin(np.linalg.norm(elastic.positions - point.r0, axis=1)))
 
 
 def _refuse_prescribed(tree: Tree, elements: JointElements, findings: Findings) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...deck.record import Number
 from ...model.diagnostics import Findings
-from ...model.joint_elements import Coupling, JointDriver, JointElements, JointStart
+from ...model.joint_elements import Coupling, Curve, JointDriver, JointElements, JointStart
 from ...model.laws import (
     FRICTION,
     FUNCTIONS,
@@ -29,6 +29,7 @@ from ...model.laws import (
     Touch,
     motors_last,
 )
+from ...model.time_functions import PERIODIC
 from .contacts import touch_of
 from .functions import Functions
 from .line import MASS, OUTPUT, ElementLine
@@ -76,7 +77,11 @@ class BlockBuilder:
             return "forces", self._force(line)
         if line.word == "COUPLING":
             return self._coupling(line)
-        makers = {"DRIVE": ("drivers", self.driver), "START": ("starts", self._start)}
+        makers = {
+            "DRIVE": ("drivers", self.driver),
+            "START": ("starts", self._start),
+            "CURVE": ("curves", self._curve),
+        }
         if line.word not in makers:
             message = f"decks of this dialect have no {line.word}; remove the line"
             self.findings.error(line.subject, message, line.place, id="ELEMENTS-040")
@@ -302,6 +307,53 @@ class BlockBuilder:
             self.findings.error(line.subject, message, line.place_of("upper"), id="ELEMENTS-039")
             return None
         return Element(line.subject, STOP, cam, STOP.values(**values), line.place)
+
+    def _curve(self, line: ElementLine) -> Curve | None:
+        """A point on a curve."""
+        before = len(self.findings.faults)
+        ends, path = self.measures.ends(line), self._path(line)
+        if ends is None or path is None:
+            return None
+        i, j, P_i, P_j = ends
+        functions, begin, end = path
+        curve = Curve(line.subject, i, j, P_i, P_j, functions, begin, end, line.place)
+        if not begin < end:
+            message = f"its end, {end:g}, must be larger than its beginning, {begin:g}"
+            self.findings.error(line.subject, message, line.place_of("end"), id="ELEMENTS-122")
+        elif curve.standstill is not None:
+            message = (
+                f"the curve stands still at the parameter {curve.standstill:g}: it has no direction there"
+            )
+            self.findings.error(line.subject, message, line.place, id="ELEMENTS-123")
+        elif curve.across is None:
+            message = "the curve points into all directions; give its parts as curves of their own"
+            self.findings.error(line.subject, message, line.place, id="ELEMENTS-124")
+        return None if any(f.severity == "error" for f in self.findings.faults[before:]) else curve
+
+    def _path(self, line: ElementLine) -> Any:
+        """Functions of a curve, and its ends; None where there is a fault."""
+        if "file" in line:
+            return self.functions.paths(line)
+        if not any(axis in line for axis in "xyz"):
+            message = (
+                "a curve takes file=, or functions of a parameter, x=, y= and z=, 0 where one is left out"
+            )
+            self.findings.error(line.subject, message, line.place, id="ELEMENTS-127")
+            return None
+        found = tuple(self.functions.path(line, axis) for axis in "xyz")
+        if None in found:
+            return None
+        periods = {(f.pieces[0][0], f.c[0]) for f in found if f is not None and f.kind == PERIODIC}
+        if "begin" in line and "end" in line:
+            return found, float(line["begin"]), float(line["end"])
+        if len(periods) != 1:
+            message = (
+                "gives the ends of a curve of functions, begin= and end=; those of one period have their own"
+            )
+            self.findings.error(line.subject, message, line.place, id="ELEMENTS-125")
+            return None
+        ((begin, period),) = periods
+        return found, begin, begin + period
 
     def _term(self, line: ElementLine, number: Number) -> tuple[int, str, float] | None:
         if number.value == 0.0:

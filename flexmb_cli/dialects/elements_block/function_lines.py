@@ -13,7 +13,7 @@ from ...model.diagnostics import Findings
 from .line import ElementLine
 from .words import POSITIONS
 
-_OF_POINTS = ("table", "spline")
+_OF_POINTS = ("table", "spline", "periodic")
 _OPTIONAL = "phase"
 _OTHER_KEYS = ("file", "number", "points")
 
@@ -72,7 +72,7 @@ def _values(line: ElementLine, folder: Path, findings: Findings, tables: Any) ->
         message = f"{line.kind} takes numbers; files and cards TABL give points of a table or spline"
         findings.error(line.subject, message, line.at(ways[0]).place, id="ELEMENTS-043")
         return None
-    found = _of_file(line, folder, findings) if "file" in line else _of_table(line, tables, findings)
+    found = numbers_of_file(line, folder, findings) if "file" in line else _of_table(line, tables, findings)
     return found and (found, lambda _: line.at(ways[0]).place)
 
 
@@ -99,7 +99,7 @@ def _of_table(line: ElementLine, tables: Any, findings: Findings) -> list[float]
     return function and [x for point in zip(function.times, function.values, strict=True) for x in point]
 
 
-def _of_file(line: ElementLine, folder: Path, findings: Findings) -> list[float] | None:
+def numbers_of_file(line: ElementLine, folder: Path, findings: Findings) -> list[float] | None:
     """The numbers of a text file, blanks, commas and line ends between them; # begins a comment."""
     place, values = line.at("file").place, []
     try:

@@ -8,6 +8,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ...deck.record import Record
 from ...model.diagnostics import Findings
 from ...model.piecewise_polynomials import linear_table, polynomial, smooth_step, spline_table
@@ -15,17 +17,19 @@ from ...model.time_functions import (
     SINE,
     MotionFunction,
     integral_of,
+    periodic,
     piecewise,
     product_of,
     smoothness,
     sum_of,
 )
-from .function_lines import GivenFunction, given_functions, name_of
+from .function_lines import GivenFunction, given_functions, name_of, numbers_of_file
 from .line import ElementLine
 
 _NO_NUMBER = re.compile(r"-+[0-9]+|0+")  # below 1: 0 means that there is no function
 LARGEST_TABLES = 2_000_000  # numbers of the functions of a deck
 MOST_FACTORS = 1000  # of a term, and terms, of what is multiplied out
+CURVE_POINTS = 4  # of a curve
 SHORTEST = 1e-50  # of the distance of two points, s: slopes of larger numbers would leave the doubles
 
 
@@ -43,7 +47,7 @@ class Functions:
         findings: Findings,
         tables: Mapping[int, MotionFunction | None] | None = None,
     ):
-        self.findings = findings
+        self.findings, self.folder = findings, folder
         self._functions: dict[str, MotionFunction] = {}
         self._used: set[str] = set()
         self._records: dict[str, Record] = {}
@@ -107,7 +111,10 @@ class Functions:
         self._refuse_rough(record, function, 0, "a rate cannot jump", key)
         found = integral_of(function, start)
         if found is None:
-            message = "flexmb has no integral of a product; give the coordinate itself, in place of its rate"
+            message = (
+                "flexmb has no integral of a product or periodic function; give the coordinate itself, in "
+                "place of its rate"
+            )
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-016")
             return None
         return sum_of([found, piecewise(polynomial([given]))]) if given else found
@@ -116,10 +123,38 @@ class Functions:
         """The characteristic of a spring or damper over its stretch or rate, which must have an integral."""
         function = self.function(record, key)
         if function is not None and integral_of(function) is None:
-            message = "a product is no characteristic of a spring; use table, spline or polynomial"
+            what = "a product or periodic function is no characteristic of a spring"
+            message = f"{what}; use table, spline or polynomial"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-017")
             return None
         return function
+
+    def path(self, record: Record, key: str) -> MotionFunction | None:
+        """A coordinate of a curve over its parameter; 0 without a function."""
+        if key not in record:
+            return piecewise(polynomial([0.0]))
+        function = self.function(record, key)
+        if function is not None:
+            self._refuse_rough(record, function, 2, "the curvature of a curve cannot jump", key)
+        return function
+
+    def paths(self, line: ElementLine) -> tuple[list[MotionFunction], float, float] | None:
+        """Splines through the points of a file over the length of their chords, and this at the last one."""
+        numbers = numbers_of_file(line, self.folder, self.findings)
+        if numbers is None:
+            return None
+        points = np.array(numbers[: len(numbers) // 3 * 3]).reshape(-1, 3)
+        chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        if len(numbers) % 3 or len(points) < CURVE_POINTS or not np.all(chords > SHORTEST):
+            message = (
+                f"a curve takes {CURVE_POINTS} points x y z or more, each apart from the one before; "
+                f"{line['file']} has {len(numbers)} numbers"
+            )
+            self.findings.error(line.subject, message, line.at("file").place, id="ELEMENTS-120")
+            return None
+        s = np.concatenate([[0.0], np.cumsum(chords)])
+        make = periodic if np.array_equal(points[0], points[-1]) else _spline
+        return [make(s.tolist(), values) for values in points.T.tolist()], 0.0, float(s[-1])
 
     def _refuse_rough(self, record: Record, function: MotionFunction, least: int, why: str, key: str) -> None:
         if smoothness(function) < least:
@@ -143,7 +178,7 @@ def listed(names: Iterable[str]) -> str:
     return ", ".join(sorted(names, key=lambda name: (not name.isdigit(), name.zfill(9))))
 
 
-def _points(functions: Functions, given: GivenFunction, make: Callable[..., Any]) -> MotionFunction | None:
+def _points(functions: Functions, given: GivenFunction, make: Callable[..., Any]) -> Any:
     times, found = given.values[0::2], given.values[1::2]
     for k, (before, after) in enumerate(pairwise(times), 1):
         if not before < after:
@@ -156,7 +191,25 @@ def _points(functions: Functions, given: GivenFunction, make: Callable[..., Any]
             message = f"{after:g} follows {before:g} by less than {SHORTEST:g}, too short to compute with"
             functions.findings.error(given.line.subject, message, given.place(2 * k), id="ELEMENTS-026")
             return None
-    return piecewise(make(times, found))
+    return make(times, found)
+
+
+def _table(times: Sequence[float], values: Sequence[float]) -> MotionFunction:
+    return piecewise(linear_table(times, values))
+
+
+def _spline(times: Sequence[float], values: Sequence[float]) -> MotionFunction:
+    return piecewise(spline_table(times, values))
+
+
+def _periodic(functions: Functions, given: GivenFunction) -> Any:
+    if given.values[1] != given.values[-1]:
+        message = f"the last value of a period is the first, {given.values[1]:g}; read {given.values[-1]:g}"
+        functions.findings.error(
+            given.line.subject, message, given.place(len(given.values) - 1), id="ELEMENTS-121"
+        )
+        return None
+    return _points(functions, given, periodic)
 
 
 def _polynomial(_functions: Functions, given: GivenFunction) -> Any:
@@ -234,8 +287,9 @@ class Kind:
 _ENDS = "start from end to: from the first value at the start to the last at the end"
 _PARTS = "one function above or more"
 KINDS = {
-    "table": Kind(lambda f, g: _points(f, g, linear_table), "two points t v or more", 4, step=2),
-    "spline": Kind(lambda f, g: _points(f, g, spline_table), "two points t v or more", 4, step=2),
+    "table": Kind(lambda f, g: _points(f, g, _table), "two points t v or more", 4, step=2),
+    "spline": Kind(lambda f, g: _points(f, g, _spline), "two points t v or more", 4, step=2),
+    "periodic": Kind(_periodic, "four points t v or more of one period", 8, step=2),
     "polynomial": Kind(_polynomial, "one coefficient or more", 1),
     "sine": Kind(_sine, "mean amplitude omega and, if not 0, phase", 3, 4),
     "ramp": Kind(lambda f, g: _between(f, g, _ramp), _ENDS, 4, 4),

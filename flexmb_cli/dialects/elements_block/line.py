@@ -12,7 +12,7 @@ MOST_ELEMENTS = 20_000  # of a deck; one takes up to 6 kB
 OUTPUT = "OUTPUT"  # word of quantities that results have besides
 MASS = "MASS"  # word of masses that are added to bodies
 # Words that bring in equations, or take those of the deck away.
-CONSTRAINING = ("DRIVE", "SUPPORT", "COUPLING", "JOINT")
+CONSTRAINING = ("DRIVE", "SUPPORT", "COUPLING", "CURVE", "JOINT")
 
 
 @dataclass(frozen=True)

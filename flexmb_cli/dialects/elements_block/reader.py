@@ -51,7 +51,7 @@ _MEANINGS = {
     "c": ("coefficient of the next power of time", ""),
     "f": ("name of a function above", ""),
 }
-_OF_VALUES = {"table": "tv", "spline": "tv", "polynomial": "c", "sum": "f", "product": "f"}
+_OF_VALUES = {"table": "tv", "spline": "tv", "periodic": "tv", "polynomial": "c", "sum": "f", "product": "f"}
 
 
 class _Wrong(ValueError):

@@ -21,7 +21,7 @@ NUMBER, WHOLE, FUNCTION, COORDINATE, END, FILE = (
     "end",
     "file",
 )
-FUNCTION_KINDS = ("table", "spline", "polynomial", "sine", "ramp", "step", "sum", "product")
+FUNCTION_KINDS = ("table", "spline", "periodic", "polynomial", "sine", "ramp", "step", "sum", "product")
 # Keys of the numbers behind the name of a function that may stand by their places, too.
 POSITIONS = {"sine": ("mean", "amplitude", "omega", "phase")}
 POSITIONS |= dict.fromkeys(("ramp", "step"), ("start", "from", "end", "to"))
@@ -186,6 +186,18 @@ WORDS = (
             Key("damping", "share of the effort that a rate of 1 adds", units=("s/m", "s/rad")),
             Key("lower", "least to - function(from); 0 if neither limit is given", units=("m", "rad")),
             Key("upper", "largest to - function(from)", units=("m", "rad")),
+        ),
+    ),
+    BlockWord(
+        "CURVE",
+        "point `to` on a curve fixed to the body of `from`, from that point on: a slot, a rail; closed "
+        "if it continues after `end` as it began",
+        (
+            *_ENDS,
+            *(Key(axis, f"function of the parameter: {axis} of the curve", FUNCTION) for axis in "xyz"),
+            Key("file", "text file of points x y z, which a spline goes through", FILE),
+            Key("begin", "parameter at which the curve begins"),
+            Key("end", "parameter at which it ends"),
         ),
     ),
     BlockWord(

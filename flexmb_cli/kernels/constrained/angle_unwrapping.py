@@ -10,7 +10,7 @@ from ..kinematics.constraints import SCREW
 from ..kinematics.joints import screw
 from ..linalg.rotation import A, rotate, rotation_matrices
 from .body_vectors import geometry_of, geometry_of_joints, move_vectors, place_vectors
-from .constraint_primitives import angle_rates, primitive_angle
+from .constraint_primitives import PARAMETER, angle_rates, primitive_angle, track_parameter, track_rates
 from .report import coordinates_and_speeds
 from .system import System, Work
 
@@ -58,7 +58,7 @@ def expect_angles(
     largest = 0.0
     for k in range(system.primitives.shape[0]):
         s = system.primitives[k]["turn"]
-        if s >= 0:
+        if s >= 0 and system.primitives[k]["track"] < 0:
             largest = max(largest, abs(integration.angles[EXPECTED, s] - integration.angles[NEW, s]))
     return largest
 
@@ -71,13 +71,17 @@ def _add_angles(system: System, work: Work, u: np.ndarray, h: float, angles: np.
         if c["kind"] == SCREW:
             angles[c["screw"]] += h * _turn_rate(work, c, u)
     _add_rates(system.primitives, work.body_vectors, h, angles)
+    for k in range(system.primitives.shape[0]):
+        m = system.primitives[k]
+        if m["track"] == PARAMETER:
+            angles[m["turn"]] += h * track_rates(system, work, k, angles)[0]
 
 
 @kernel
 def _add_rates(primitives: np.ndarray, placed: np.ndarray, h: float, angles: np.ndarray) -> None:
     """Add h times the rates of the angles of primitives; placed (3, body vectors, 3)."""
     for k in range(primitives.shape[0]):
-        if primitives[k]["turn"] >= 0:
+        if primitives[k]["turn"] >= 0 and primitives[k]["track"] < 0:
             angles[primitives[k]["turn"]] += h * angle_rates(placed, primitives[k])[0]
 
 
@@ -105,6 +109,9 @@ def nearest_angles(
         place_vectors(of_joints, q)
     _fill_nearest(system.primitives, work.body_vectors, expected, angles)
     _fill_nearest(of_joints.primitives, of_joints.placed, expected, angles)
+    for k in range(system.primitives.shape[0]):
+        if system.primitives[k]["track"] == PARAMETER:
+            angles[system.primitives[k]["turn"]] = track_parameter(system, work, k, expected)
 
 
 @kernel
@@ -114,7 +121,7 @@ def _fill_nearest(
     """Fill the angles of primitives with those nearest to `expected`; placed (3, body vectors, 3)."""
     for k in range(primitives.shape[0]):
         s = primitives[k]["turn"]
-        if s >= 0:
+        if s >= 0 and primitives[k]["track"] < 0:
             angles[s] = primitive_angle(placed, primitives[k], expected[s])
 
 

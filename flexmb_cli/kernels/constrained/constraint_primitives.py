@@ -6,7 +6,8 @@ made.
 V and W are relative vectors, F, G and H body vectors (`body_vectors`), in layers 0 to 2: as they are, their
 rates, their remainders.  Components of a gap, right angles, distances, strokes, angles and threads are all of
 this form; the first primitives are equations, Φ = μ - f(t), to which others of a chain add
-μ or, of cams, -c(μ).  The second derivative of a product is
+μ or, of cams, -c(μ).  A chain of the three components of
+a point is a track: its gap from a curve, see `curves`.  The second derivative of a product is
 2 V̇ · Ẇ + V · Ẅ + V̈ · W; that of θ with x = F · H and y = G · H is that of atan2, as in `joints.screw`.
 """
 
@@ -15,10 +16,14 @@ import math
 import numpy as np
 
 from .._jit import kernel
+from ..curves import curve_values, nearest_parameter, normal, stretch
 from ..linalg.rotation import TURN
+from ..linalg.vec3 import dot, minus
 from .body_vectors import RATE, REMAINDER, VECTOR, Geometry, add_vector_row, geometry_of, vector
 from .system import PRODUCT, System, Work
 from .time_functions import function_values
+
+PARAMETER = 2  # `track` of the parameter of a point on a curve; 0 and 1 are its gaps along the normals
 
 
 @kernel
@@ -144,6 +149,8 @@ def _in_chain(system: System, work: Work, k: int, expected: np.ndarray) -> tuple
 @kernel
 def chain_value(system: System, work: Work, k: int, expected: np.ndarray) -> float:
     """Value of primitive k and of those that are added to it; expected: the angles expected, rad."""
+    if system.primitives[k]["track"] >= 0:
+        return _track_value(system, work, k, expected)
     value, k = _in_chain(system, work, k, expected)[0], system.primitives[k]["next"]
     while k >= 0:
         value += _in_chain(system, work, k, expected)[0]
@@ -154,6 +161,8 @@ def chain_value(system: System, work: Work, k: int, expected: np.ndarray) -> flo
 @kernel
 def chain_rates(system: System, work: Work, k: int) -> tuple[float, float]:
     """Rate of a chain, and its second derivative without those of the coordinates, at moved body vectors."""
+    if system.primitives[k]["track"] >= 0:
+        return track_rates(system, work, k, work.angles)
     rate, rest = _rates_in_chain(system, work, k)
     k = system.primitives[k]["next"]
     while k >= 0:
@@ -174,11 +183,78 @@ def _rates_in_chain(system: System, work: Work, k: int) -> tuple[float, float]:
 @kernel
 def add_chain_row(system: System, work: Work, k: int, factor: float, row: np.ndarray) -> None:
     """Add factor times the derivative of a chain by the speeds to row (n,)."""
+    if system.primitives[k]["track"] >= 0:
+        _add_track_row(system, work, k, factor, row)
+        return
     while k >= 0:
         share = factor
         if system.primitives[k]["curve"] >= 0:
             share *= _in_chain(system, work, k, work.angles)[1]
         add_primitive_row(geometry_of(system, work), k, share, row)
+        k = system.primitives[k]["next"]
+
+
+@kernel
+def _components(system: System, work: Work, k: int) -> tuple[float, float, float]:
+    """Place of the point of a track from the origin of its curve, axes of the curve's body, m."""
+    relative_vectors, second = work.relative_vectors, system.primitives[k]["next"]
+    third = system.primitives[second]["next"]
+    return (
+        _relative_product(relative_vectors, k, VECTOR, VECTOR),
+        _relative_product(relative_vectors, second, VECTOR, VECTOR),
+        _relative_product(relative_vectors, third, VECTOR, VECTOR),
+    )
+
+
+@kernel
+def track_parameter(system: System, work: Work, k: int, expected: np.ndarray) -> float:
+    """Parameter of the curve nearest to the point of track k, near the one expected."""
+    m = system.primitives[k]
+    p, s = _components(system, work, k), expected[m["turn"]]
+    return nearest_parameter(system.functions, system.knots, m["curve"], p, s)
+
+
+@kernel
+def _track_value(system: System, work: Work, k: int, expected: np.ndarray) -> float:
+    m, s = system.primitives[k], track_parameter(system, work, k, expected)
+    if m["track"] == PARAMETER:
+        return s
+    c, d, _ = curve_values(system.functions, system.knots, m["curve"], s)
+    return dot(_normal(system, m, d), minus(_components(system, work, k), c))
+
+
+@kernel
+def _normal(system: System, m: np.void, d: tuple[float, float, float]) -> tuple[float, float, float]:
+    return normal(d, vector(system.body_vectors["c"], m["f"]), m["track"])
+
+
+@kernel
+def track_rates(system: System, work: Work, k: int, expected: np.ndarray) -> tuple[float, float]:
+    """Rate of a track's gap or parameter, and its second derivative without those of the coordinates."""
+    m, geometry, second = system.primitives[k], geometry_of(system, work), system.primitives[k]["next"]
+    x, y = primitive_rates(geometry, k), primitive_rates(geometry, second)
+    z = primitive_rates(geometry, system.primitives[second]["next"])
+    v, rest = (x[0], y[0], z[0]), (x[1], y[1], z[1])
+    s = track_parameter(system, work, k, expected)
+    c, d, b = curve_values(system.functions, system.knots, m["curve"], s)
+    advance = dot(d, v) / stretch(d, b, minus(_components(system, work, k), c))
+    if m["track"] == PARAMETER:
+        return advance, (dot(d, rest) - dot(d, b) * advance * advance) / dot(d, d)
+    n = _normal(system, m, d)
+    return dot(n, v), dot(n, rest) - dot(n, b) * advance * advance
+
+
+@kernel
+def _add_track_row(system: System, work: Work, k: int, factor: float, row: np.ndarray) -> None:
+    m, s = system.primitives[k], track_parameter(system, work, k, work.angles)
+    _, d, _ = curve_values(system.functions, system.knots, m["curve"], s)
+    if m["track"] == PARAMETER:
+        share = dot(d, d)
+        n = (d[0] / share, d[1] / share, d[2] / share)
+    else:
+        n = _normal(system, m, d)
+    for i in range(3):
+        add_primitive_row(geometry_of(system, work), k, factor * n[i], row)
         k = system.primitives[k]["next"]
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from .._jit import kernel
 
 # The codes of model.time_functions and model.arrays.records; a test compares them.
-POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND = 1, 2, 3, 4, 5, 6, 7
+POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND, PERIODIC = 1, 2, 3, 4, 5, 6, 7, 8
 
 
 @kernel
@@ -38,6 +38,10 @@ def _simple(functions: np.ndarray, knots: np.ndarray, number: int, t: float) -> 
         return c[0] + swing, c[1] * c[2] * math.cos(phase), -c[2] * c[2] * swing
     if kind == PIECEWISE:
         return _piecewise(knots, function["first"], c, t)
+    if kind == PERIODIC:
+        begin = knots[function["first"], 0]
+        period = knots[function["last"], 0] - begin
+        return _piecewise(knots, function["first"], c, t - period * math.floor((t - begin) / period))
     return _table(knots, function["first"], function["last"], t, kind == HELD_TABLE)
 
 

@@ -2,7 +2,8 @@
 
 A closure keeps p_a - p_b at zero along axes of body b.  Where point a may move along a free direction
 of b, its velocity is compared with that of the point of body b just there.  A coupling keeps c . q at its
-value; its force acts as the efforts c along the coordinates.
+value; its force acts as the efforts c along the coordinates.  A point on a curve of body b has two rows,
+along the curve's normals (`curves`).
 
 DAFMS thesis (1992), section 3.4, reduces the equations to independent speeds, y = A y_i + B, which
 makes the closure forces drop out since J A = 0 (3.17-3.25).  Here the same equations are solved for
@@ -18,6 +19,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..constrained.time_functions import function_values
+from ..curves import curve_values, nearest_parameter, normal, stretch
 from ..linalg.number_rows import product
 from ..linalg.vec3 import (
     accumulate,
@@ -25,6 +27,7 @@ from ..linalg.vec3 import (
     column,
     cross,
     dot,
+    inward,
     minus,
     outward,
     plus,
@@ -58,6 +61,9 @@ def evaluate_rows(tree: "TreeArrays", work: np.ndarray, q: np.ndarray, y: np.nda
             _evaluate_coupling(tree, row, q, y)
             continue
         a, b = work[row["frame_a"]], work[row["frame_b"]]
+        if row["curve"] >= 0:
+            _evaluate_track(tree, row, a, b)
+            continue
         direction = column(b["axes"], row["axis"])
         place = plus(triple(a["position"], 0), outward(a["axes"], triple(row["point_a"], 0)))
         other = plus(triple(b["position"], 0), outward(b["axes"], triple(row["point_b"], 0)))
@@ -78,6 +84,23 @@ def _evaluate_coupling(tree: "TreeArrays", row: np.void, q: np.ndarray, y: np.nd
         factors[cam] = -slope
         offset, row["bend"] = value - slope * q[cam], -bend * y[cam] * y[cam]
     row["gap"], row["rate"] = product(factors, q) - offset, product(factors, y)
+
+
+@kernel
+def _evaluate_track(tree: "TreeArrays", row: np.void, a: np.void, b: np.void) -> None:
+    """Set what `evaluate_rows` does of a point on a curve, the curve's parameter and what c'' adds."""
+    place = plus(triple(a["position"], 0), outward(a["axes"], triple(row["point_a"], 0)))
+    p = minus(inward(b["axes"], minus(place, triple(b["position"], 0))), triple(row["point_b"], 0))
+    s = nearest_parameter(tree.curves, tree.knots, row["curve"], p, row["parameter"])
+    c, d, bend = curve_values(tree.curves, tree.knots, row["curve"], s)
+    n = normal(d, triple(row["across"], 0), row["axis"])
+    velocity = _relative_velocity(a, b, place)
+    advance = dot(d, inward(b["axes"], velocity)) / stretch(d, bend, minus(p, c))
+    row["parameter"], row["advance"] = s, advance
+    store(outward(b["axes"], n), row["direction"], 0)
+    store(place, row["place"], 0)
+    row["gap"], row["rate"] = dot(n, minus(p, c)), dot(row["direction"], velocity)
+    row["bend"] = -dot(n, bend) * advance * advance
 
 
 @kernel
@@ -115,7 +138,7 @@ def _gap_acceleration(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndar
         _carried(b, b["acceleration"], place), centripetal(wb, minus(place, triple(b["position"], 0)))
     )
     turning = scaled(2.0, cross(wb, _relative_velocity(a, b, place)))
-    return dot(triple(row["direction"], 0), minus(minus(of_a, of_b), turning))
+    return dot(triple(row["direction"], 0), minus(minus(of_a, of_b), turning)) + row["bend"]
 
 
 @kernel

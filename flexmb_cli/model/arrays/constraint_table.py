@@ -53,6 +53,7 @@ class PrimitiveTable(FunctionTable):
         self.angles: list[float] = list(angles)
         self._known: dict[tuple[int, bytes, bytes | None], int] = {}
         self._next = NONE
+        self.tracks: list[list[np.ndarray]] = []  # three primitives of the parameter of each curve
         self._reported: PrimitiveTable | None = None
 
     def reported(self) -> "PrimitiveTable":
@@ -71,6 +72,11 @@ class PrimitiveTable(FunctionTable):
         origin = np.zeros(3) if point.body < 0 else self.bodies[point.body].r
         found: np.ndarray = origin + self.A(point.body) @ point.r0
         return found
+
+    def place_of(self, body_vector: int) -> np.ndarray:
+        """Return where the point at the end of a body vector is at t = 0, undeformed, global axes."""
+        record = self.body_vectors.records[body_vector]
+        return self.position(NodePoint("", int(record["body"]), record["c"], np.zeros((3, 0))))
 
     def body_vector(
         self, body: int, c: np.ndarray | tuple[float, float, float], shape: np.ndarray | None = None

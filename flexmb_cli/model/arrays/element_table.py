@@ -30,6 +30,7 @@ from .records import (
     line_primitive,
 )
 from .records import FRICTION as FRICTION_LOAD
+from .tracks import add_curve
 
 if TYPE_CHECKING:
     from ..tree_as_mechanism.hinges import HingeJoints
@@ -119,6 +120,13 @@ class ElementTable:
         self._bushings = 0  # so far
 
     def add_couplings(self) -> None:
+        """The equations of every curve, and one for every coupling of joint coordinates."""
+        for curve in self.elements.curves:
+            point, origin = self._end(curve.j, curve.P_j), self._end(curve.i, curve.P_i)
+            add_curve(self.table, curve, point, origin, (curve.i, curve.j))
+        self.add_sums_and_cams()
+
+    def add_sums_and_cams(self) -> None:
         """An equation for every coupling of joint coordinates."""
         for item in self.elements.couplings:
             records = [
@@ -149,13 +157,14 @@ class ElementTable:
             self.table.equations(item.name, item.place, *self.joints.bodies(item.joint), [part])
 
     def loads(self, others: Iterable[np.ndarray], springs: Iterable[Element] = ()) -> np.ndarray:
-        """LOAD records: `others`, springs of the deck, force elements, friction.
+        """LOAD records: `others`, springs of the deck, force elements, parameters of curves, friction.
 
         All equations must have been added.
         """
         forces = self.elements.forces
         found = [*others, *(self._load(item) for item in springs)]
         found += [self._load(item) for item in forces if item.law is not FRICTION]
+        found += [self._probe(track) for track in self.table.tracks]
         found += [self._friction(item) for item in forces if item.law is FRICTION]
         return np.concatenate([np.zeros(0, LOAD), *map(np.atleast_1d, found)])
 
@@ -172,9 +181,14 @@ class ElementTable:
         return fill_law(record, item.law, item.values, self.table)
 
     def _at(self, measure: At | Cam) -> Any:
-        record, primitives = blank_load(ELEMENT), [self.joints.primitive(measure.joint, measure.coordinate)]
+        primitives = [self.joints.primitive(measure.joint, measure.coordinate)]
         if isinstance(measure, Cam):
             primitives.append(self._curve(*measure[2:]))
+        return self._probe(primitives)
+
+    def _probe(self, primitives: list[np.ndarray]) -> Any:
+        """The LOAD record of an element in a chain of primitives, without a force."""
+        record = blank_load(ELEMENT)
         record["shape"] = SPRING.code
         record["primitive"] = self.table.spring(self.table.chained(primitives))
         return record

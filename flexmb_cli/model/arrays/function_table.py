@@ -1,11 +1,12 @@
 """Functions of time as the records and knots that kernels read."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ..laws import NUMBER, OF_COORDINATE, OF_TIME, SPRING, Element, Law
-from ..time_functions import COMPOUND, HELD_TABLE, PIECEWISE, TABLE, MotionFunction, integral_of
+from ..time_functions import COMPOUND, HELD_TABLE, PERIODIC, PIECEWISE, TABLE, MotionFunction, integral_of
 from .records import FUNCTION, NONE, function_record
 
 OF_A_COORDINATE = 1.0  # in c[3] of a function of pieces whose argument is no time
@@ -55,9 +56,17 @@ class FunctionTable:
             )
         if function.kind == PIECEWISE:
             return self._pieces(function.pieces, of_time)
+        if function.kind == PERIODIC:
+            return self._pieces(function.pieces, of_time, function.c[0])
         if function.kind == COMPOUND:
             return self._compound(function.terms, of_time)
         return self._add(function_record(function.kind, function.c))
+
+    def in_a_row(self, functions: Sequence[MotionFunction]) -> int:
+        """Number of the first of functions of a coordinate whose numbers follow each other."""
+        numbers = [self.function(function, of_time=False) for function in functions]
+        self.functions += [self.functions[number] for number in numbers]
+        return len(self.functions) - len(numbers)
 
     def factor(self, function: MotionFunction | None) -> int:
         """Number of the factor of a load, -1 where it has none."""
@@ -75,14 +84,18 @@ class FunctionTable:
         self.functions.append(record)
         return len(self.functions) - 1
 
-    def _pieces(self, pieces: tuple[tuple[Any, ...], ...], of_time: bool) -> int:
+    def _pieces(self, pieces: tuple[tuple[Any, ...], ...], of_time: bool, period: float = 0.0) -> int:
+        """Number of a function of pieces; one with a period has a last row of knots, its end."""
         count = max(len(piece) - 1 for piece in pieces)
         rows = -(-(count + 1) // 3)
         knots = np.zeros((len(pieces), 3 * rows))
         for k, piece in enumerate(pieces):
             knots[k, : len(piece)] = piece
         c = (len(pieces), count, rows, 0.0 if of_time else OF_A_COORDINATE)
-        return self.of_knots(PIECEWISE, knots.reshape(-1, 3), c)
+        if not period:
+            return self.of_knots(PIECEWISE, knots.reshape(-1, 3), c)
+        end = [[pieces[0][0] + period, 0.0, 0.0]]
+        return self.of_knots(PERIODIC, np.concatenate([knots.reshape(-1, 3), end]), c)
 
     def _compound(self, terms: tuple[tuple[Any, ...], ...], of_time: bool) -> int:
         rows = [

@@ -94,6 +94,10 @@ PRIMITIVE = np.dtype(
         ("constant", np.float64),  # that is taken off, m², m, rad or 1
         ("next", np.int64),  # primitive that is added to it in an equation, -1: none
         ("curve", np.int64),  # function of it that an equation subtracts in place of adding it, -1: none
+        # Of the first of three components of a point: 0, 1: its gap along a normal of a curve; 2: the curve's
+        # parameter, of which the angle `turn` is an estimate; `f`: a vector across the curve, `curve`: its
+        # functions.
+        ("track", np.int64),  # -1: none
     ]
 )
 
@@ -177,7 +181,7 @@ def blank_primitive() -> np.ndarray:
     """A PRIMITIVE record that refers to nothing."""
     record = np.zeros((), PRIMITIVE)
     record["ends"] = NONE
-    for field in ("f", "g", "h", "turn", "function", "next", "curve"):
+    for field in ("f", "g", "h", "turn", "function", "next", "curve", "track"):
         record[field] = NONE
     return record
 

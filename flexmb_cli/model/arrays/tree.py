@@ -112,7 +112,8 @@ def tree_arrays(tree: Tree) -> TreeArrays:
     stiffness, damping, stiffening = matrices
     elements = TreeElements(tree, index, parts.of_body)
     couplings = elements.couplings()
-    closures = np.concatenate([*_closure_rows(tree, parts.of_body, parts.of_node), elements.coupling_rows()])
+    of_closures = list(_closure_rows(tree, parts.of_body, parts.of_node, elements))
+    closures = np.concatenate([*of_closures, elements.coupling_rows()])
     prescribed = _prescribed(tree, elements)
     torques = [
         (parts.of_body[t.body], t.axis - 1, elements.table.function(t.function), 0.0, np.inf, 0.0)
@@ -233,7 +234,9 @@ def hanging_masses(tree: Any, k: int) -> np.ndarray:
     return hanging
 
 
-def _closure_rows(tree: Tree, of_body: list[int], of_node: dict[Any, Any]) -> Iterator[np.ndarray]:
+def _closure_rows(
+    tree: Tree, of_body: list[int], of_node: dict[Any, Any], elements: TreeElements
+) -> Iterator[np.ndarray]:
     """Rows of all closed directions."""
     for c in tree.closures:
         a = of_body[c.a] if c.a_node is None else of_node[c.a, c.a_node, None]
@@ -241,10 +244,13 @@ def _closure_rows(tree: Tree, of_body: list[int], of_node: dict[Any, Any]) -> It
         # A node's own frame has its origin at the node.
         point_a = c.a_point if c.a_node is None else (0.0, 0.0, 0.0)
         point_b = c.b_point if c.b_node is None else (0.0, 0.0, 0.0)
+        first = elements.table.in_a_row(c.curve.functions) if c.curve else -1
         for axis in c.directions:
             row = np.zeros(1, CLOSURE_ROW)
             row["frame_a"], row["frame_b"], row["axis"], row["repeated"] = a, b, axis - 1, REPEATED
-            row["point_a"], row["point_b"], row["coupling"] = point_a, point_b, -1
+            row["point_a"], row["point_b"], row["coupling"], row["curve"] = point_a, point_b, -1, first
+            if c.curve:
+                row["across"], row["parameter"] = c.curve.across, c.curve.begin
             yield row
 
 

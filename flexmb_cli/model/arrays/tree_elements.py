@@ -70,12 +70,15 @@ CLOSURE_ROW = np.dtype(
         ("frame_b", np.int64),  # number of the second FRAME
         ("point_a", np.float64, 3),  # axes of frame a, m
         ("point_b", np.float64, 3),  # axes of frame b, m
-        ("axis", np.int64),  # 0, 1, 2 of frame b
+        ("axis", np.int64),  # 0, 1, 2 of frame b; 0, 1 of a point on a curve: its normal
         ("coupling", np.int64),  # number of the coupling, -1: a closed direction
         ("value", np.float64),  # which the sum of a coupling keeps, m or rad
-        ("curve", np.int64),  # function of a cam among `curves`, -1: none
+        ("curve", np.int64),  # function of a cam, or first of three of a curve, among `curves`, -1: none
         ("cam", np.int64),  # coordinate that the function of a cam is of
-        ("bend", np.float64),  # what a cam adds to the second derivative of its gap, m/s² or rad/s²
+        ("bend", np.float64),  # what a cam or curve adds to the gap's second derivative, m/s² or rad/s²
+        ("across", np.float64, 3),  # unit vector nowhere along a curve, axes of frame b
+        ("parameter", np.float64),  # of a curve at the point, found last, its own unit
+        ("advance", np.float64),  # rate of the parameter, per s
         ("direction", np.float64, 3),  # of that axis, inertial axes
         ("place", np.float64, 3),  # of point a, inertial axes, m
         ("gap", np.float64),  # (p_a - p_b) . direction, m

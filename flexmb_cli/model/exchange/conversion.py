@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import Place
-from ..joint_elements import Coupling, JointDriver
+from ..joint_elements import Coupling, Curve, JointDriver
 from ..joints import ANGLE
 from ..laws import OF_TIME, At, Cam, Element, Frames, Joint, Parameter, Push, Touch
 from ..mechanism import GROUND, Vector
@@ -53,8 +53,11 @@ class Conversion(ABC):
     def model(self) -> RigidModel:
         """Return the rigid model, but for the shapes of its bodies."""
 
-    def converted(self, shapes: Iterable[Shape]) -> RigidModel:
+    def converted(self, shapes: Iterable[Shape], curves: Iterable[Curve]) -> RigidModel:
         """Return the model with the cards of `shapes`; raises ModelError with all that is not converted."""
+        for curve in curves:
+            message = "points on curves are not converted; give the curve anew in the other deck"
+            self.refusals.add(curve, message, id="MODEL-030")
         cards = tuple(self.shape(shape.card) for shape in shapes if shape.card)
         model = replace(self.model(), shapes=cards)
         self.refusals.raise_faults()

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..piecewise_polynomials import Pieces, continuous_rates, smooth_step, spline_table
-from ..time_functions import COMPOUND, PIECEWISE, SINE, SPIN_UP, TABLE, MotionFunction
+from ..time_functions import COMPOUND, PERIODIC, PIECEWISE, SINE, SPIN_UP, TABLE, MotionFunction
 from .functions import points_of, polynomial_of, rate_of, simple, without_jumps
 
 Card = tuple[int, str, tuple[float, ...]]  # number of the function, its type, the numbers that define it
@@ -82,6 +82,10 @@ def _card_of(function: MotionFunction) -> tuple[str, tuple[float, ...]] | None:
         return "sine", function.c
     if points := points_of(function):
         return "table", tuple(x for point in without_jumps(points) for x in point)
+    if function.kind == PERIODIC:
+        points = [(piece[0], piece[1]) for piece in function.pieces]
+        points.append((points[0][0] + function.c[0], points[0][1]))
+        return "periodic", tuple(x for point in points for x in point)
     if function.kind != PIECEWISE:
         return None
     return _step(function.pieces) or _spline(function.pieces)

@@ -12,6 +12,7 @@ import numpy as np
 from ..time_functions import (
     COMPOUND,
     HELD_TABLE,
+    PERIODIC,
     PIECEWISE,
     POLYNOMIAL,
     SINE,
@@ -47,17 +48,16 @@ def transformed(
         mean, size, omega, phase = function.c
         c = factor * mean - value, factor * size, omega / stretch, phase + omega * start
         return MotionFunction(SINE, c)
-    if function.kind == PIECEWISE:
-        return piecewise(
-            tuple(
-                (
-                    (t - start) * stretch,
-                    factor * c0 - value,
-                    *(factor * x / stretch**n for n, x in enumerate(c, 1)),
-                )
-                for t, c0, *c in function.pieces
+    if function.kind in (PIECEWISE, PERIODIC):
+        pieces = tuple(
+            (
+                (t - start) * stretch,
+                factor * c0 - value,
+                *(factor * x / stretch**n for n, x in enumerate(c, 1)),
             )
+            for t, c0, *c in function.pieces
         )
+        return replace(function, c=(function.c[0] * stretch, *function.c[1:]), pieces=pieces)
     if function.kind in (TABLE, HELD_TABLE):
         times = tuple((t - start) * stretch for t in function.times)
         values = tuple(factor * v - value for v in function.values)

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arrays.constraint_table import PrimitiveTable
 from ..arrays.records import FORCE, TORQUE, vector_load
+from ..arrays.tracks import add_curve
 from ..time_functions import POLYNOMIAL, MotionFunction
 from ..tree import INERTIAL, ROTATION, TRANSLATION, Hinge, Tree
 from ..vectors import rotation_matrix
@@ -133,6 +134,9 @@ def add_closures(table: PrimitiveTable, tree: Tree) -> None:
             _closure_point(table, tree, closure.a, closure.a_point, closure.a_node),
             _closure_point(table, tree, closure.b, closure.b_point, closure.b_node),
         )
+        if closure.curve:
+            add_curve(table, closure.curve, *gap, (closure.b, closure.a))
+            continue
         parts = [
             (f"direction {axis}", True, table.product(gap, table.body_vector(closure.b, np.eye(3)[axis - 1])))
             for axis in closure.directions

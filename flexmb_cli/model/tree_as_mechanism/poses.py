@@ -124,7 +124,10 @@ def repeated_in_planar_tree(tree: Tree) -> int | None:
         if off > PARALLEL:
             return None
     return sum(
-        _contains_normal(closure.directions, _axes_of(closure.b, poses), normal) for closure in tree.closures
+        closure.curve.lies_across(_axes_of(closure.b, poses).T @ normal)
+        if closure.curve
+        else _contains_normal(closure.directions, _axes_of(closure.b, poses), normal)
+        for closure in tree.closures
     )
 
 

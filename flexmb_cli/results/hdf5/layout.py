@@ -190,7 +190,16 @@ CONTACT_SERIES = {
         ("changed", (CONTACTS,), "s", "time when it began or ended last; 0: it has not"),
     )
 }
-OF_ELEMENTS = ELEMENT_SERIES | COUPLING_SERIES | CONTACT_SERIES
+CURVES = "curve/curve"
+CURVE_SERIES = {
+    f"curve_{name}": Series(f"curve/{name}", axes, units, long_name)
+    for name, axes, units, long_name in (
+        ("position", (CURVES,), "m", "arc length of the curve from its beginning to the point"),
+        ("speed", (CURVES,), "m/s", "rate of that arc length"),
+        ("force", (CURVES, "xyz"), "N", "force of the curve on the point, global axes"),
+    )
+}
+OF_ELEMENTS = ELEMENT_SERIES | COUPLING_SERIES | CONTACT_SERIES | CURVE_SERIES
 
 
 def with_elements(layout: Layout, elements: JointElements, springs: Sequence[Element] = ()) -> Layout:
@@ -205,6 +214,8 @@ def with_elements(layout: Layout, elements: JointElements, springs: Sequence[Ele
             axes.append(with_units(numbered_axis(kind, texts), kind, units))
     if contacts := [name for item in elements.of(CONTACT) for name, _ in item.parts]:
         axes.append(numbered_axis("contact", contacts))
+    if elements.curves:
+        axes.append(numbered_axis("curve", [curve.name for curve in elements.curves]))
     present = {axis.path for axis in axes}
     # What all elements together dissipate has no axis, but belongs to theirs.
     series = [item for item in OF_ELEMENTS.values() if present.issuperset(item.axes or (ELEMENT,))]

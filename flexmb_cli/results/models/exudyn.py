@@ -122,6 +122,7 @@ _REFUSED = {
     "driven": ("drivers by functions do not convert", "RESULT-069"),
     "supports": ("supports by functions do not convert", "RESULT-070"),
     "couplings": ("couplings of joint coordinates do not convert", "RESULT-072"),
+    "curves": ("points on curves do not convert", "RESULT-130"),
 }
 _REFUSED_LAWS = {
     MOTOR: ("motors by functions of time do not convert", "RESULT-068"),

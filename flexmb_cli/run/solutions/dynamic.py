@@ -16,6 +16,7 @@ from ..error_estimate import finer_motion, nothing_to_refine
 from ..outcome import Run, RunOptions
 from ..python_options import set_tolerances
 from . import Solution
+from .at_rest import begin_at_rest, refuse_rest
 
 if TYPE_CHECKING:
     from ...solvers.constrained.young_dynamics import ForwardDynamics
@@ -34,6 +35,8 @@ def solution(model: DynamicModel, run: Run) -> Solution:
         reported = "the program of 1996 has no dynamics: leave out --as-printed, or the cards behind DYNAMICS"
         raise ModelError([Fault("error", reported, id="RUN-031")])
     model = _as_asked(model, run.options)
+    if model.analysis != "forward":
+        refuse_rest(run)
     stepped = model.analysis == "forward" or bool(model.elements)
     analysis: Any = (_stepped if stepped else _inverse)(model, run)
     # Results of a prescribed motion hold no energies.
@@ -83,6 +86,10 @@ def _stepped(model: DynamicModel, run: Run) -> "ForwardDynamics":
     analysis = (ForwardDynamics if forward else DrivenDynamics)(model)
     if forward:
         set_tolerances(analysis, run.options, run.outcome)
+        mechanism = model.mechanism
+        begin_at_rest(
+            analysis, partial(ForwardDynamics, model), run, 6 * len(mechanism.bodies), mechanism.time
+        )
     announce_compiling(run.listener, analysis.integrator.entry)
     return analysis
 

@@ -17,6 +17,7 @@ from ..error_estimate import finer_motion
 from ..outcome import Run
 from ..python_options import set_tolerances
 from . import Solution
+from .at_rest import begin_at_rest
 
 TOO_COARSE = (
     "too coarse a tolerance (card INTG), or steps of GALF that are too long (card TIME) or damp too much (a "
@@ -63,5 +64,6 @@ def _digest(system: Any) -> str:
 def _analysis(mechanism: FlexibleMechanism, run: Run) -> FlexibleDynamics:
     analysis = FlexibleDynamics(mechanism)
     set_tolerances(analysis, run.options, run.outcome)
+    begin_at_rest(analysis, partial(FlexibleDynamics, mechanism), run, analysis.arrays.speeds, mechanism.time)
     announce_compiling(run.listener, analysis.integrator.entry)
     return analysis

@@ -12,6 +12,7 @@ from ...solvers.kinematics.position import KinematicSettings
 from ..error_estimate import nothing_to_refine
 from ..outcome import Run
 from . import NoCount, Solution
+from .at_rest import refuse_rest
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,6 +24,7 @@ def solution(mechanism: Mechanism, run: Run) -> Solution:
     """Return the kinematics of `mechanism`, ready to be solved."""
     if run.options.as_printed:
         return _as_printed(mechanism, run)
+    refuse_rest(run)
     announce_compiling(run.listener, "kinematics.continuation.follow")
     analysis = KinematicAnalysis(mechanism, KinematicSettings(**run.options.solver))
     whole = _solution(mechanism, analysis, run, not analysis.one_block)

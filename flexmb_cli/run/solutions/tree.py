@@ -16,6 +16,7 @@ from ..energy_drift import EnergyDrift, StepCount
 from ..error_estimate import FINER, finer, why_no_estimate
 from ..outcome import ABSOLUTE, Run
 from . import Solution
+from .at_rest import begin_at_rest, refuse_rest
 
 if TYPE_CHECKING:
     import numpy as np
@@ -58,13 +59,16 @@ def kane_analysis(tree: Tree, run: Run) -> "TreeAnalysis":
     from ...solvers.tree.analysis import TreeAnalysis
 
     announce_compiling(run.listener, "integrators.tree_dop853.integrate_rows")
-    return TreeAnalysis(tree)
+    analysis = TreeAnalysis(tree)
+    begin_at_rest(analysis, partial(TreeAnalysis, tree), run, len(tree.coordinates), tree.time)
+    return analysis
 
 
 def absolute_analysis(tree: Tree, run: Run) -> Any:
     """Return the analysis in absolute coordinates; raises ModelError for what is not carried over."""
     from ...solvers.constrained.tree import AbsoluteTree
 
+    refuse_rest(run)
     announce_compiling(run.listener, "integrators.constrained_dop853.integrate_rows")
     return AbsoluteTree(tree)
 

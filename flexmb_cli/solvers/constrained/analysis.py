@@ -17,6 +17,7 @@ from ...model.arrays.system import SystemArrays
 from ...model.joints import DEPENDENT
 from ..assembly import TO_GAP
 from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of, taken, taken_clock
+from ..curve_ends import on_curves
 from ..singular.dynamic_singularities import PassedDynamicSingularities, is_singular
 from ..singular.mobility import Mobility
 from ..singular.overconstrained_loops import choose_far_apart, gap_note, independence
@@ -75,7 +76,7 @@ class ConstrainedMotion(ConstrainedState):
                 self.singularities.look(report.times, report.states)
                 note_undetermined_rows(self, report)
                 self.row += report.times.size
-                yield self.block(report)
+                yield from on_curves(self.elements, [self.block(report)])
             # To the very breakpoint, where there need not be a row.
             for _ in self._reports(np.array([stop] if stop < end else [])):
                 pass
@@ -190,6 +191,8 @@ class ConstrainedMotion(ConstrainedState):
         """Assemble positions and speeds at the first time; returns and raises as `start`."""
         grid, integration = self.grid, self.integration
         q = self.assembled(grid.start)
+        if self.rest is not None:
+            q = self.rest[: q.size].copy()
         integration.angles[NEW] = integration.angles[OLD] = integration.angles[EXPECTED] = self.screw_angles(
             q
         )
@@ -197,7 +200,9 @@ class ConstrainedMotion(ConstrainedState):
         found = self.found = order_of_elimination(self, q, grid.start)
         integration.z[: q.size] = self._first = q
         # Rates that contradict others are refused here: what is left does repeat others.
-        integration.z[q.size : q.size + self.arrays.speeds] = start_speeds(self, q, grid.start)
+        integration.z[q.size : q.size + self.arrays.speeds] = (
+            start_speeds(self, q, grid.start) if self.rest is None else self.rest[q.size :]
+        )
         refuse_coinciding_ends(self.system, self.work, chain(self.springs, self.elements.forces), grid.start)
         if found.redundant:
             self.warnings.append(repetition(found, self.usual_repetitions(q), *self.usual_words))

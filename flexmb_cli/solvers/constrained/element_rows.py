@@ -13,7 +13,7 @@ from ...model.arrays.dynamic import DynamicArrays
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.joint_elements import JointElements, names_of
-from ...model.laws import CONTACT, DRIVING, parts_in_arrays
+from ...model.laws import CONTACT, DRIVING, FRICTION, parts_in_arrays
 from ...model.loads import DynamicModel
 from ...model.vectors import cross_rows
 from .flexible_rows import FlexibleRows, flexible_rows
@@ -38,6 +38,9 @@ class ElementAnswers:
     contact_place: np.ndarray  # (T, contacts, 3) where it acts, global axes, m
     contact_touches: np.ndarray  # (T, contacts) how often it has begun
     contact_changed: np.ndarray  # (T, contacts) when it began or ended last, s
+    curve_position: np.ndarray  # (T, curves) arc length from the curve's beginning, m
+    curve_speed: np.ndarray  # (T, curves) its rate, m/s
+    curve_force: np.ndarray  # (T, curves, 3) on the point, global axes, N
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,7 @@ def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> 
         driver_effort=np.concatenate([rows.driver_effort, own], axis=1),
         **element_answers(report, first, model.elements),
         coupling_effort=coupling_efforts(report, arrays, model.elements),
+        curve_force=curve_forces(report, arrays, model.elements),
         **_composite_forces(model, arrays, report),
     )
 
@@ -80,10 +84,29 @@ def coupling_efforts(
     return found
 
 
+def curve_forces(report: Report, arrays: SystemArrays, elements: JointElements) -> np.ndarray:
+    """Forces (T, curves, 3) on the points, global axes; the ground's are those that body I bears."""
+    end = len(arrays.groups) - len(elements.couplings) - len(elements.drivers)
+    first = end - len(elements.curves)
+    sides = [report.wrenches[:, first + k, 1 if c.j >= 0 else 0, :3] for k, c in enumerate(elements.curves)]
+    signs = [1.0 if c.j >= 0 else -1.0 for c in elements.curves]
+    forces = [sign * side + 0.0 for sign, side in zip(signs, sides, strict=True)]
+    return np.stack(forces, axis=1) if forces else np.zeros((len(report.times), 0, 3))
+
+
+def curve_motion(elements: JointElements, parameters: np.ndarray, rates: np.ndarray) -> dict[str, np.ndarray]:
+    """Fields of `ElementAnswers` of points on curves, from the parameters (T, curves) and their rates."""
+    position, speed = np.zeros(parameters.shape), np.zeros(parameters.shape)
+    for k, curve in enumerate(elements.curves):
+        position[:, k] = curve.lengths(parameters[:, k])
+        speed[:, k] = rates[:, k] * np.linalg.norm(curve.at(parameters[:, k])[1], axis=1)
+    return {"curve_position": position, "curve_speed": speed}
+
+
 def _composite_forces(model: DynamicModel, arrays: DynamicArrays, report: Report) -> dict[str, np.ndarray]:
     """Forces and torques (T, composite joints, 3) on body J at P_j: the ground bears what body I does."""
     elements = model.elements
-    end = len(arrays.groups) - len(elements.couplings) - len(elements.drivers)
+    end = len(arrays.groups) - len(elements.curves) - len(elements.couplings) - len(elements.drivers)
     first = end - len(elements.composites)
     force, torque = (np.zeros((len(report.times), len(elements.composites), 3)) for _ in range(2))
     for k, item in enumerate(elements.composites):
@@ -100,10 +123,15 @@ def element_answers(report: Report, first: int, elements: JointElements) -> dict
     """Fields of `ElementAnswers` that the loads from `first` on answer."""
     answers = report.responses[:, first:]
     works = report.states[:, report.states.shape[1] - answers.shape[1] :]
-    found: dict[str, Any] = answers_of(
-        elements, answers, works, answers.shape[1] - len(list(names_of(elements)))
-    )
-    return found
+    end = answers.shape[1] - len(elements.of(FRICTION))
+    probes = np.arange(end - len(elements.curves), end)
+    tracks = answers[:, probes]
+    springs = answers.shape[1] - len(probes) - len(list(names_of(elements)))
+    found = np.delete(answers, probes, axis=1), np.delete(works, probes, axis=1)
+    return {
+        **curve_motion(elements, tracks[..., COORDINATE], tracks[..., SPEED]),
+        **answers_of(elements, *found, springs),
+    }
 
 
 def answers_of(elements: JointElements, answers: np.ndarray, works: np.ndarray, springs: int = 0) -> Any:
@@ -167,4 +195,5 @@ def flexible_element_rows(
         rows,
         **element_answers(report, first, mechanism.elements),
         coupling_effort=coupling_efforts(report, arrays, mechanism.elements),
+        curve_force=curve_forces(report, arrays, mechanism.elements),
     )

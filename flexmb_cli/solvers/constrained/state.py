@@ -31,6 +31,7 @@ class ConstrainedState(ABC):
     velocities: Sequence[InitialVelocity] = ()
     springs: Sequence[Element] = ()
     omega_in_body_axes = False
+    rest: np.ndarray | None = None  # coordinates and speeds that it begins with, in place of the deck's
     usual_words = "planar mechanism of spatial joints", "3 a loop"  # of `usual_repetitions`
 
     def __init__(

@@ -148,7 +148,7 @@ def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple[Any, ...]) -> Syst
     add_prescribed(table, tree, frames)
     elements = ElementTable(table, HingeJoints(table, tree, frames), tree.elements)
     report_coordinates(HingeJoints(table.reported(), tree, frames), turning_coordinates(tree))
-    elements.add_couplings()
+    elements.add_sums_and_cams()
     elements.add_drivers(tree.time.start)
     add_closures(table, tree)
     loads = elements.loads(tree_loads(table, tree))

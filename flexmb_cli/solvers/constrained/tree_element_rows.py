@@ -10,7 +10,7 @@ from ...model.arrays.system import SystemArrays
 from ...model.joint_elements import names_of
 from ...model.tree import Tree
 from ..tree.rows import TreeRows
-from .element_rows import ElementAnswers, answers_of, coupling_efforts, element_answers, joined
+from .element_rows import ElementAnswers, answers_of, coupling_efforts, curve_motion, element_answers, joined
 
 
 @dataclass(frozen=True)
@@ -22,13 +22,15 @@ class TreeElementRows(ElementAnswers, TreeRows):
 
 def with_elements(tree: Tree, arrays: SystemArrays, rows: TreeRows, report: Report) -> TreeElementRows:
     """The rows with the elements, whose loads stand behind those of the tree."""
-    first = report.responses.shape[1] - len(list(names_of(tree.elements)))
+    behind = len(list(names_of(tree.elements))) + len(tree.elements.curves)
+    first = report.responses.shape[1] - behind
     return joined(
         TreeElementRows,
         rows,
         **element_answers(report, first, tree.elements),
         driver_effort=report.multipliers[:, rows_of_drivers(tree, arrays)].copy(),
         coupling_effort=coupling_efforts(report, arrays, tree.elements, len(tree.closures)),
+        curve_force=forces_on_curves(tree, rows),
     )
 
 
@@ -46,15 +48,29 @@ def rows_of_drivers(tree: Tree, arrays: SystemArrays) -> np.ndarray:
     return found
 
 
+def forces_on_curves(tree: Tree, rows: TreeRows) -> np.ndarray:
+    """Forces (T, curves, 3) on points on curves, whose closures are the last ones."""
+    return rows.closure_force[:, len(tree.closures) - len(tree.elements.curves) :]
+
+
+def rows_of_curves(tree: Tree) -> list[int]:
+    """Number of the first closed direction of each curve."""
+    owners = [closure.curve for closure in tree.closures for _ in closure.directions]
+    return [k for k, curve in enumerate(owners) if curve][::2]
+
+
 def with_answers(tree: Tree, rows: TreeRows, report: Any) -> TreeElementRows:
     """The rows by Kane's equations with what the elements answered; energy of elements is no work."""
     end, count = report.rows.shape[1] - 1, report.answers.shape[1]
     works = report.rows[:, end - count : end]
     scales = np.array([item.scale for item in tree.elements.couplings])
+    tracks = report.closures[:, rows_of_curves(tree)]
     return joined(
         TreeElementRows,
         rows,
         **answers_of(tree.elements, report.answers, works),
         coupling_effort=report.closures["force"][:, len(report.closures[0]) - len(scales) :] / scales,
+        **curve_motion(tree.elements, tracks["parameter"], tracks["advance"]),
+        curve_force=forces_on_curves(tree, rows),
         driver_effort=report.drives,
     )

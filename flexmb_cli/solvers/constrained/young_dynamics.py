@@ -39,7 +39,7 @@ class ForwardDynamics(LinearisableMotion):
         self.model = model
         self.mechanism = model.mechanism
         self.velocities, self.springs = model.velocities, model.springs
-        if model.elements.composites:
+        if model.elements.composites or model.elements.curves:
             self.usual_words = self.usual_words[0], "those out of the plane"
         bodies, units = len(model.mechanism.bodies), self.integration.units
         for part in (units[: 7 * bodies].reshape(-1, 7), units[7 * bodies : 13 * bodies].reshape(-1, 6)):
@@ -62,8 +62,10 @@ class ForwardDynamics(LinearisableMotion):
         bodies = len(self.mechanism.bodies)
         grounds = [ground.body for ground in self.mechanism.grounds]
         attitudes = q[: 7 * bodies].reshape(bodies, 7)[:, 3:]
-        composites = self.model.elements.composites
-        return repeated_in_plane(self.mechanism.joints, grounds, attitudes, composites)
+        elements = self.model.elements
+        return repeated_in_plane(
+            self.mechanism.joints, grounds, attitudes, elements.composites, elements.curves
+        )
 
     def given_rates(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[Any, ...]]:
         """Rows, right-hand sides and names of the joint rates that the deck gives."""

@@ -37,6 +37,35 @@ def find_equilibrium(analysis: Any, linearised: type) -> None:
     raise AnalysisError(Fault("error", message, id="SOLVE-015"), motion.t)
 
 
+def rest_of(analysis: Any, warnings: list[Fault]) -> np.ndarray:
+    """Return the state of an analysis in the equilibrium that it falls into from its start.
+
+    Of a mechanism coordinates and speeds, of a tree the whole state.  Raises as `find_equilibrium`.
+    """
+    from ..tree.analysis import TreeAnalysis
+    from .constrained import ConstrainedLinearised, linearised, modes_of
+    from .tree import TreeLinearised, start_tree
+
+    of_tree = isinstance(analysis, TreeAnalysis)
+    formulation = TreeLinearised if of_tree else ConstrainedLinearised
+    if of_tree:
+        start_tree(analysis, analysis.tree.time.start)
+    else:
+        analysis.start()
+    find_equilibrium(analysis, formulation)
+    growing = modes_of(*linearised(analysis, formulation)).growing
+    if growing.size:
+        message = (
+            f"the equilibrium is unstable: a disturbance grows by e in {1.0 / growing.max():.3g} s; begin "
+            "aside of it for one that is stable"
+        )
+        warnings.append(Fault("warning", message, id="SOLVE-112"))
+    if of_tree:
+        return np.array(analysis.state)
+    end = analysis.integration.z.size - analysis.works - 1
+    return np.array(analysis.integration.z[:end])
+
+
 def _downhill(stiffness: np.ndarray, accelerations: np.ndarray) -> np.ndarray:
     """Newton's step, turned round along eigenvectors whose motions grow."""
     if not accelerations.size:

@@ -14,6 +14,7 @@ from ...model.arrays.tree import TreeArrays
 from ...model.integrators import LIBRARY_TREE_METHODS, steps_at_limit
 from ...model.tree import Tree
 from ..checkpoint import row_of, taken, taken_clock
+from ..curve_ends import on_curves
 from .assembly import assemble_tree, pivot_shares
 from .breakpoints import breakpoints, refuse_jumps
 from .rows import TreeRows
@@ -22,6 +23,8 @@ from .steps import TreeSteps
 
 class TreeAnalysis(TreeSteps):
     """One run over the report times of a tree, from the start or from the `checkpoint` of a stopped run."""
+
+    rest: np.ndarray | None = None  # state (n,) that it begins with, in place of the deck's
 
     def __init__(self, tree: Tree, checkpoint: Mapping[str, np.ndarray] | None = None):
         super().__init__(tree)
@@ -73,7 +76,7 @@ class TreeAnalysis(TreeSteps):
             return {}
         elements, values = self.arrays.elements, self.arrays.closures["value"]
         names = {"bushing_axes": elements["turned"], "bushing_angles": elements["expected"]}
-        return {**names, "coupling_values": values}
+        return {**names, "coupling_values": values, "parameters": self.arrays.closures["parameter"]}
 
     def _contacts_to_go_on(self) -> dict[str, np.ndarray]:
         """Return touches, states and gaps (elements, …) of contacts from which a resumed run continues."""
@@ -107,7 +110,7 @@ class TreeAnalysis(TreeSteps):
         for stop in [*breakpoints(self.tree, float(self.clock["t"][0]), end), end]:
             self._start_interval(stop)
             try:
-                yield from self._rows_up_to(stop)
+                yield from on_curves(self.tree.elements, self._rows_up_to(stop))
             finally:
                 if self.in_body_axes:
                     self.call(tree_dop853.LEAVE_STEPS)
@@ -132,6 +135,8 @@ class TreeAnalysis(TreeSteps):
         self.clock["stop"] = stop
         if self.row == 0 and not self.resumed:
             assemble_tree(self)
+            if self.rest is not None:
+                self.state[:] = self.rest
         begin = tree_dop853.BEGIN_STEPS if self.in_body_axes else codes.BEGIN
         code = self.evaluate() if self.resumed else self.call(begin)
         if self._contacts is not None and code != codes.NO_INERTIA:

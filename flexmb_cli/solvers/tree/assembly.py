@@ -10,7 +10,7 @@ from ...model.arrays.tree import TreeArrays
 from ...model.arrays.tree_elements import REPEATED
 from ...model.tree import ASSEMBLED_GAP, ROTATION, Closure, Tree
 from ..assembly import LOOSEST, NEAR, TO_GAP
-from .loop_assembly import loop_size, nearest_closed
+from .loop_assembly import loop_size, measured, nearest_closed
 from .state import TreeState
 
 MOST_ITERATIONS = 40
@@ -31,12 +31,24 @@ def assemble_tree(analysis: TreeState) -> None:
         analysis.arrays = arrays._replace(
             closures=arrays.closures[:rows], closure_matrix=np.zeros((rows, rows))
         )
+        _find_parameters(analysis)
         _close_loops(analysis)
         analysis.arrays = arrays
     if analysis.tree.elements:
         from .attached_elements import attach_elements
 
         attach_elements(analysis)
+
+
+def _find_parameters(analysis: TreeState) -> None:
+    """Begin at the place of each curve that is nearest to its point at the start."""
+    tree, frames = analysis.tree, analysis.work
+    rows = measured(analysis, analysis.state)
+    for row, closure in zip(rows, (c for c in tree.closures for _ in c.directions), strict=True):
+        if closure.curve:
+            b = frames[row["frame_b"]]
+            apart = b["axes"].reshape(3, 3).T @ (row["place"] - b["position"])
+            row["parameter"] = closure.curve.nearest(apart - row["point_b"])
 
 
 def _close_loops(analysis: TreeState) -> None:

@@ -192,6 +192,7 @@ def test_every_dynamic_deck_stands_in_the_readme():
             "IN-CAM",
             "IN-ELEMENTS",
             "IN-LINK",
+            "IN-RAIL",
         )
         if f"`{stem}`" in text
     }

@@ -1,0 +1,32 @@
+"""Runs that begin at rest in an equilibrium, `--from-equilibrium`."""
+
+from collections.abc import Callable
+from typing import Any
+
+from ...errors import Fault, ModelError
+from ...model.mechanism import TimeGrid
+from ..mechanism_modes import Wish, kernels_for
+from ..outcome import Run
+
+
+def begin_at_rest(analysis: Any, again: Callable[[], Any], run: Run, speeds: int, grid: TimeGrid) -> None:
+    """Have `analysis` begin in the equilibrium that a second one of the same model, `again()`, falls into.
+
+    `speeds`: how many the model has.  Raises AnalysisError if none is found.
+    """
+    if not run.options.from_equilibrium:
+        return
+    from ...solvers.linearisation.equilibrium import rest_of
+
+    with kernels_for(speeds, Wish(None, True), grid, run.listener):
+        analysis.rest = rest_of(again(), analysis.warnings)
+
+
+def refuse_rest(run: Run) -> None:
+    """Raise ModelError for a motion that drivers prescribe, or absolute coordinates of a tree."""
+    if run.options.from_equilibrium:
+        message = (
+            "--from-equilibrium is for motions that forces drive: drivers prescribe this one, or "
+            "--formulation absolute is given; leave it out"
+        )
+        raise ModelError([Fault("error", message, id="SOLVE-111")])
