@@ -166,7 +166,11 @@ class _Points:
         ends = item.measure
         if not isinstance(ends, Line | Frames | Push | Touch):
             return item
-        return replace(item, measure=ends._replace(P_i=self.point(ends.P_i), P_j=self.point(ends.P_j)))
+        ends = ends._replace(P_i=self.point(ends.P_i), P_j=self.point(ends.P_j))
+        if isinstance(ends, Touch):
+            more = (tuple((i, self.point(P)) for i, P in more) for more in (ends.more_i, ends.more_j))
+            ends = ends._replace(more_i=next(more), more_j=next(more))
+        return replace(item, measure=ends)
 
     def _joint(self, joint: NodeJoint) -> PointJoint:
         a, b = (tuple(self.point(end) for end in side) for side in (joint.a, joint.b))

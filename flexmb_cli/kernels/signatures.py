@@ -33,6 +33,7 @@ RECORDS = {
     "FUNCTION": "model.arrays.records:FUNCTION",
     "LAW": "model.arrays.records:LAW",  # part of other records
     "GROUP": "model.arrays.records:GROUP",
+    **{name: f"model.arrays.contacts:{name}" for name in ("CONTACT_SET", "END", "TOUCH", "KEPT")},
     "FRAME": "model.arrays.tree_frames:FRAME",
     "NODAL_MASS": "model.arrays.tree_frames:NODAL_MASS",
     **{name: f"model.arrays.tree:{name}" for name in ("ELASTIC_BODY", "PRESCRIBED", "CLOSURE_ROW")},
@@ -57,7 +58,7 @@ TUPLES = {
     "System": (
         "kernels.constrained.system:System",
         "CONSTRAINT1 i2 f1 f1 MASS1 FLEXIBLE1 f1 BODY_VECTOR1 f1 PRIMITIVE1 LOAD1 FUNCTION1 f2 f1 GROUP1 "
-        "BODY_VECTOR1 PRIMITIVE1",
+        "BODY_VECTOR1 PRIMITIVE1 Contacts",
     ),
     "Work": (
         "kernels.constrained.system:Work",
@@ -76,8 +77,9 @@ TUPLES = {
     "Tree": (
         "model.arrays.tree:TreeArrays",
         "FRAME1 NODAL_MASS1 ELASTIC_BODY1 f1 f1 f1 i2 PRESCRIBED1 TREE_TORQUE1 CLOSURE_ROW1 f2 f2 "
-        "f2 f2 f1 b1 b1 f1 NodeFrames TREE_ELEMENT1 TREE_FRICTION1 f3 f1 f2 FUNCTION1 f2 int bool",
+        "f2 f2 f1 b1 b1 f1 NodeFrames TREE_ELEMENT1 TREE_FRICTION1 f3 f1 f2 FUNCTION1 f2 Contacts int bool",
     ),
+    "Contacts": ("model.arrays.contacts:Contacts", "CONTACT_SET1 END1 TOUCH1 KEPT1 i1 i2"),
     "NodeFrames": (
         "model.arrays.node_frames:NodeFrames",
         "NODE_FRAME1 FLEXIBLE_PARENT1 f1 f2 f2 f1 f2 f2 f2 f2 f2 f1 f1",

@@ -20,6 +20,7 @@ conversion, notes and names of results need.  Cards of all dialects and the arra
 from these records: a new law is one record here and one branch of `kernels.laws`, of the same code.
 """
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -150,11 +151,45 @@ class Touch(NamedTuple):
     radius_j: float = 0.0  # m
     size_i: Any = (0.0, 0.0, 0.0)  # edges of a box, m
     size_j: Any = (0.0, 0.0, 0.0)  # m
+    more_i: tuple[tuple[int, Any], ...] = ()  # further bodies with the first shape, and points on them
+    more_j: tuple[tuple[int, Any], ...] = ()  # the same of the second
+    mutual: bool = False  # both are the same shapes, each of which may touch each
 
     @property
     def parts(self) -> int:
         """Return how many points of the second shape may touch the first."""
         return PARTS_ON_PLANES.get(self.second, 1) if self.first == "plane" else 1
+
+    @property
+    def ends_i(self) -> tuple[tuple[int, Any], ...]:
+        """Return all bodies with the first shape, and points on them."""
+        return ((self.i, self.P_i), *self.more_i)
+
+    @property
+    def ends_j(self) -> tuple[tuple[int, Any], ...]:
+        """Return all bodies with the second shape, and points on them."""
+        return ((self.j, self.P_j), *self.more_j)
+
+    @property
+    def searched(self) -> bool:
+        """Return whether pairs are searched: those of many shapes with many, none of them a plane."""
+        return bool(self.more_i and self.more_j) and self.first != "plane"
+
+    @property
+    def sphere_i(self) -> tuple[Any, float]:
+        """Return the middle of a sphere about the first shape, from its point, and its radius, m."""
+        return _sphere(self.first, self.axis_i, self.radius_i, self.size_i)
+
+    @property
+    def sphere_j(self) -> tuple[Any, float]:
+        """Return the middle of a sphere about the second shape, from its point, and its radius, m."""
+        return _sphere(self.second, self.axis_j, self.radius_j, self.size_j)
+
+
+def _sphere(shape: str, axis: Any, radius: float, size: Any) -> tuple[Any, float]:
+    half = math.hypot(*axis) / 2.0
+    around = math.hypot(half, radius) if shape == "cylinder" else half + radius
+    return tuple(x / 2.0 for x in axis), around + math.hypot(*size) / 2.0
 
 
 # Pairs of shapes that may touch, that of body i before that of body j.
@@ -314,6 +349,7 @@ CONTACT = Law(
         Parameter("stribeck", "speed in which one fades into the other", 0, 1, -1, 1e-2, above=LEAST_SPEED),
         Parameter("creep", "speed in which friction rises from 0", 0, 1, -1, 1e-3, above=LEAST_SPEED),
         Parameter("rolling", "lever of the normal force that resists rolling", 0, 1, 0, 0.0),
+        Parameter("torsion", "lever of the normal force that resists turning about the normal", 0, 1, 0, 0.0),
         Parameter("restitution", "ratio of speeds after and before a free collision at `speed`", default=1.0,
                   above=0.0),
         Parameter("speed", "speed of approach at which `restitution` holds", 0, 1, -1, 0.0),
@@ -377,7 +413,7 @@ class Element:
         """Return its names in results, and the unit of each coordinate, "m" or "rad"."""
         if isinstance(self.measure, Frames):
             return [(f"{self.name} {part}", unit) for part, unit in PARTS_OF_FRAMES]
-        if isinstance(self.measure, Touch) and self.measure.parts > 1:
+        if isinstance(self.measure, Touch) and self.measure.parts > 1 and not self.measure.more_j:
             return [(f"{self.name} {k}", LENGTH) for k in range(1, self.measure.parts + 1)]
         return [(self.name, TURN if self.turning else LENGTH)]
 

@@ -11,6 +11,7 @@ from ..errors import Fault
 if TYPE_CHECKING:
     from ..kernels.constrained.system import Work
     from ..kernels.integrators.integrations import AlphaIntegration, Integration
+    from ..model.arrays.contacts import Contacts
 
 
 def arrays_in(**records: Any) -> dict[str, np.ndarray]:
@@ -39,6 +40,48 @@ def fill_arrays(stored: Mapping[str, np.ndarray], **records: Any) -> None:
     for path, work in works_in(records).items():
         if name := misplaced(work):
             raise OtherRun(f"{path}/{name}")
+
+
+_OF_SETS = ("count", "begun", "changed", "stepping", "full", "searches")
+
+
+def contacts_in(contacts: "Contacts", at_start: bool = False) -> dict[str, np.ndarray]:
+    """Return what contacts keep of the motion before; `at_start`: as a run needs it that makes the last step
+    again.
+    """
+    if not contacts.sets.size:
+        return {}
+    pairs = np.zeros(contacts.kept.shape, contacts.kept.dtype)
+    for name in pairs.dtype.fields or ():
+        pairs[name] = contacts.touches[name]
+    if at_start:
+        pairs["at_end"], pairs["end_rate"] = pairs["at_start"], pairs["start_rate"]
+    return {
+        "contact_pairs": pairs,
+        "contact_places": contacts.ends["reference"].copy(),
+        **{f"contact_{name}": contacts.sets[name].copy() for name in _OF_SETS},
+    }
+
+
+def restore_contacts(stored: Mapping[str, np.ndarray], contacts: "Contacts") -> None:
+    """Fill contacts with what `contacts_in` gave of such ones; raises OtherRun."""
+    sets, own = contacts.sets, contacts_in(contacts)
+    fresh = {name: taken(stored, name, values.shape, values.dtype) for name, values in own.items()}
+    if not fresh:
+        return
+    if np.any((fresh["contact_count"] < 0) | (fresh["contact_count"] > sets["most"])):
+        raise OtherRun("contact_count")
+    pairs = fresh["contact_pairs"]
+    for k, end in enumerate(sets["first_end"] + sets["ends"]):
+        own_pairs = pairs[sets["first"][k] :][: fresh["contact_count"][k]]
+        ends = np.array([own_pairs["end_i"], own_pairs["end_j"]])
+        if np.any((ends < sets["first_end"][k]) | (ends >= end)):
+            raise OtherRun("contact_pairs")
+    for name in pairs.dtype.fields or ():
+        contacts.touches[name] = pairs[name]
+    contacts.ends["reference"] = fresh["contact_places"]
+    for name in _OF_SETS:
+        sets[name] = fresh[f"contact_{name}"]
 
 
 def taken_clock(

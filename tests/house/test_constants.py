@@ -30,7 +30,7 @@ OF_EACH = {
 }
 # Kernels import nothing: their codes repeat those of the model (`tests/kernels/constrained/test_load_codes`).
 REPEATED_IN = {
-    "model/arrays/contacts.py": ("kernels/contact.py", "kernels/laws.py"),
+    "model/arrays/contacts.py": ("kernels/contact.py", "kernels/contact_shapes.py", "kernels/laws.py"),
     "model/arrays/records.py": ("kernels/constrained/elements.py", "kernels/constrained/forces.py"),
     "model/time_functions.py": ("kernels/constrained/time_functions.py",),
     "model/laws.py": ("kernels/laws.py",),

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from flexmb_cli.kernels.contact import CONTACT_COLUMNS, COORDINATE, SPEED, answer_contact
-from flexmb_cli.model.arrays.contacts import fill_contact
-from flexmb_cli.model.arrays.records import LAW, TOUCH
+from flexmb_cli.kernels.contact import answer_touch
+from flexmb_cli.model.arrays.contacts import END, fill_contact, touch_records
+from flexmb_cli.model.arrays.records import LAW
 from flexmb_cli.model.laws import CONTACT, PAIRS, Element, Touch
 
 STEP = 1e-6  # s
@@ -23,18 +23,20 @@ def records_of(pair):
         given["axis_i"] = NORMAL
     touch = Touch(0, 1, None, None, first, second, **given)
     item = Element("touch", CONTACT, touch, CONTACT.values(stiffness=1e3, friction=0.3, rolling=0.01))
-    return fill_contact(np.zeros(touch.parts, np.dtype([*LAW.descr, *TOUCH.descr])), item)
+    return fill_contact(np.zeros((), LAW), item)["c"], touch_records(touch)
 
 
 def motion(rng):
-    """Two bodies at t: d, v, axes and angular velocities of i, then of j."""
-    d, v = 0.9 * rng.normal(size=3), rng.normal(size=3)
-    first, spins = [Rotation.random(random_state=rng) for _ in range(2)], rng.normal(size=(2, 3))
+    """The ends of two moving bodies at t."""
+    starts, speeds, spins = 0.6 * rng.normal(size=(2, 3)), rng.normal(size=(2, 3)), rng.normal(size=(2, 3))
+    attitudes = [Rotation.random(random_state=rng) for _ in range(2)]
 
     def at(t):
-        turned = [(Rotation.from_rotvec(t * w) * R).as_matrix() for w, R in zip(spins, first, strict=True)]
-        axes = [tuple(tuple(A[:, k]) for k in range(3)) for A in turned]
-        return tuple(d + t * v), tuple(v), axes[0], tuple(spins[0]), axes[1], tuple(spins[1])
+        ends = np.zeros(2, END)
+        ends["position"], ends["velocity"], ends["angular"] = starts + t * speeds, speeds, spins
+        turned = [Rotation.from_rotvec(t * w) * R for w, R in zip(spins, attitudes, strict=True)]
+        ends["axes"] = [R.as_matrix().T.ravel() for R in turned]
+        return ends
 
     return at
 
@@ -42,11 +44,11 @@ def motion(rng):
 @pytest.mark.parametrize("pair", PAIRS)
 def test_the_rate_of_a_gap_is_its_derivative(pair):
     rng = np.random.default_rng(7)
-    for record in records_of(pair):
+    c, records = records_of(pair)
+    for record in records:
         for _ in range(6):
-            at = motion(rng)
-            answers = np.zeros((3, CONTACT_COLUMNS))
+            at, answers = motion(rng), np.repeat(record, 3)
             for t, answer in zip((-STEP, 0.0, STEP), answers, strict=True):
-                answer_contact(record, *at(t), answer)
-            slope = (answers[2, COORDINATE] - answers[0, COORDINATE]) / (2.0 * STEP)
-            assert answers[1, SPEED] == pytest.approx(slope, abs=1e-7)
+                answer_touch(c, answer, *at(t))
+            slope = (answers["gap"][2] - answers["gap"][0]) / (2.0 * STEP)
+            assert answers["rate"][1] == pytest.approx(slope, abs=1e-7)

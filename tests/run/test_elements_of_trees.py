@@ -349,25 +349,24 @@ def test_a_stopped_run_goes_on_to_the_same_bytes(tmp_path, monkeypatch):
         ).read_bytes()
 
 
-def test_a_run_stopped_in_the_step_before_a_contact_goes_on_to_the_same_bytes(tmp_path, monkeypatch):
+@pytest.mark.parametrize("method", ["dop853", "sdirk4"])
+def test_a_run_stopped_in_the_step_before_a_contact_goes_on_to_the_same_bytes(tmp_path, monkeypatch, method):
     """The step is made again: as long as it was tried, not as the contact cut it, or the next one differs."""
+    chosen = {"integration": {"method": method, "rtol": 1e-7, "atol": 1e-8}}
     monkeypatch.setattr(tree_analysis, "LARGEST_BLOCK", 1)
     contact = "CONTACT floor plane-sphere from=0(0,-0.9,0) to=2(0.6,0,0) normal=(0,1,0) radius_to=0.05"
     text = deck(f"ELEMENTS\n  {contact} stiffness=1e5 damping=0.3")
-    for old, new in (
-        ("    5\n       0.1\n", "   60\n      0.01\n"),
-        ("E-12    1.000E-13", "E-07    1.000E-08"),
-    ):
-        assert old in text
-        text = text.replace(old, new)
+    old = "    5\n       0.1\n"
+    assert old in text
+    text = text.replace(old, "   60\n      0.01\n")
     path = tmp_path / "x.DAT"
     path.write_text(text)
-    run(path, tmp_path / "whole")
+    run(path, tmp_path / "whole", **chosen)
     with h5py.File(tmp_path / "whole/x.h5") as file:
         touch = np.unique(file["contact/changed"][:])[1]
-    first = run(path, tmp_path / "stopped", stop_after(math.floor(touch / 0.01) + 1))
+    first = run(path, tmp_path / "stopped", stop_after(math.floor(touch / 0.01) + 1), **chosen)
     assert (first.exit_code, first.resumable) == (130, True)
-    assert run(path, tmp_path / "stopped", resume=True).exit_code == 0
+    assert run(path, tmp_path / "stopped", resume=True, **chosen).exit_code == 0
     for ending in ENDINGS:
         assert (tmp_path / f"stopped/x.{ending}").read_bytes() == (
             tmp_path / f"whole/x.{ending}"

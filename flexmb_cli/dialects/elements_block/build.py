@@ -148,9 +148,13 @@ class BlockBuilder:
             return at and At(*at)
         if Push in law.measures:
             return self._push(line, law)
-        ends = self.measures.ends(line)
         if Touch in law.measures:
-            return touch_of(line, self.measures, ends) if ends else None
+            return touch_of(line, self.measures)
+        if many := next((f"{key}.last" for key in ("from", "to") if f"{key}.last" in line), None):
+            message = "takes one body at each end; only contacts take several, as in 2-9(0,0,0)"
+            self.findings.error(line.subject, message, line.place_of(many), id="ELEMENTS-140")
+            return None
+        ends = self.measures.ends(line)
         return ends and (Frames if Frames in law.measures else Line)(*ends)
 
     def _push(self, line: ElementLine, law: Any) -> Push | None:

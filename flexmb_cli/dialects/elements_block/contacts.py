@@ -1,6 +1,7 @@
 """Lines CONTACT of the block ELEMENTS: the shapes that may touch."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 from ...model.laws import Touch
@@ -8,11 +9,13 @@ from .line import ElementLine
 from .measures import Measures
 from .words import OF_FIRST, OF_SECOND
 
+MOST_SHAPES = 20_000  # at one end
+_OF_END = ("body", "last", "node", "x", "y", "z", "radius", "axis")
 _KEYS = ("normal", *(f"{what}_{end}" for end in ("from", "to") for what in ("radius", "axis", "size")))
 
 
-def touch_of(line: ElementLine, measures: Measures, ends: tuple[Any, ...]) -> Touch | None:
-    """Return the shapes of a contact between such ends; None where there is a fault."""
+def touch_of(line: ElementLine, measures: Measures) -> Touch | None:
+    """Return the shapes of a contact; None where there is a fault."""
     first, second = line.kind.split("-")
     wanted = (*OF_FIRST[first], *OF_SECOND[second])
     given = [key for key in _KEYS if key in line or f"{key}.x" in line]
@@ -38,8 +41,60 @@ def touch_of(line: ElementLine, measures: Measures, ends: tuple[Any, ...]) -> To
     }
     if normal := fields.pop("normal", None):
         fields["axis_i"] = tuple(x / math.hypot(*normal) for x in normal)
-    i, j, P_i, P_j = ends
-    return Touch(i, j, P_i, P_j, first, second, **fields)
+    ends = _ends(line, measures)
+    if ends is None:
+        return None
+    (i, P_i), *more_i = ends["from"]
+    (j, P_j), *more_j = ends["to"]
+    same = first == second and all(_texts(line, "from", key) == _texts(line, "to", key) for key in _OF_END)
+    mutual = bool(more_i) and same
+    return Touch(
+        i, j, P_i, P_j, first, second, **fields, more_i=tuple(more_i), more_j=tuple(more_j), mutual=mutual
+    )
+
+
+def _texts(line: ElementLine, end: str, key: str) -> list[Any]:
+    """Return the values of an end, or of a key of its shape."""
+    names = {f"{end}.{key}", f"{key}_{end}", *(f"{key}_{end}.{axis}" for axis in "xyz")}
+    return [number.value for number in line.numbers if number.key in names]
+
+
+def _ends(line: ElementLine, measures: Measures) -> dict[str, list[tuple[int, Any]]] | None:
+    """Return the bodies of each end, and points on them; None where there is a fault."""
+    bodies = {end: _bodies(line, measures, end) for end in ("from", "to")}
+    found: dict[str, list[tuple[int, Any]]] = {"from": [], "to": []}
+    for side, (end, other) in enumerate((("from", "to"), ("to", "from"))):
+        for body in bodies[end]:
+            # The other end stands for all others: any body but this one.
+            against = next((k for k in bodies[other] if k != body), body)
+            ends = measures.ends(_with_bodies(line, {end: body, other: against}))
+            if ends is None:
+                return None
+            found[end].append((ends[side], ends[side + 2]))
+    return found if found["from"] and found["to"] else None
+
+
+def _with_bodies(line: ElementLine, bodies: dict[str, int]) -> ElementLine:
+    values = {f"{end}.body": body for end, body in bodies.items()}
+    changed = [
+        replace(one, value=values[one.key]) if one.key in values else one
+        for one in line.numbers
+        if one.key.startswith(("from.", "to."))
+    ]
+    return line.with_numbers(changed)
+
+
+def _bodies(line: ElementLine, measures: Measures, end: str) -> range:
+    """Return the numbers of the bodies of an end."""
+    first = line[f"{end}.body"]
+    last = next((one.value for one in line.numbers if one.key == f"{end}.last"), first)
+    if not first <= last < first + MOST_SHAPES or (last > first == 0):
+        message = (
+            f"{end} names bodies from 1 on, the smaller first, {MOST_SHAPES} at most; read {first}-{last}"
+        )
+        measures.error(line, line.at(f"{end}.last"), message, id="ELEMENTS-141")
+        return range(0)
+    return range(first, last + 1)
 
 
 def _errors(measures: Measures) -> int:

@@ -35,8 +35,8 @@ from .words import (
 MOST_NUMBERS_OF_BLOCKS = 200_000  # of the blocks of a deck; longer tables stand in files
 NAME = re.compile(r"[A-Za-z0-9_-]+")
 COORDINATES = re.compile(r"([0-9]{1,9})\.(angle|stroke|[rt][1-3])", re.IGNORECASE)
-_END_AT_POINT = re.compile(r"([0-9]{1,9})\(([^()]*)\)")
-_END_AT_NODE = re.compile(r"([0-9]{1,9}):([0-9]{1,9})")
+_END_AT_POINT = re.compile(r"([0-9]{1,9})(?:-([0-9]{1,9}))?\(([^()]*)\)")
+_END_AT_NODE = re.compile(r"([0-9]{1,9})(?:-([0-9]{1,9}))?:([0-9]{1,9})")
 _MEANINGS = {
     "mean": ("mean value", ""),
     "amplitude": ("amplitude", ""),
@@ -333,13 +333,16 @@ class _Line:
         return Key(name, meaning, units=(unit, unit))
 
     def _take_end(self, piece: Word, key: Key, text: str, offset: int) -> None:
-        if found := _END_AT_NODE.fullmatch(text):
+        node, point = _END_AT_NODE.fullmatch(text), _END_AT_POINT.fullmatch(text)
+        if found := node or point:
             self._part(piece, key, "body", found[1], offset, ("number of the body, 0: the ground", ""))
-            self._part(piece, key, "node", found[2], offset + found.start(2), ("number of the node", ""))
-        elif found := _END_AT_POINT.fullmatch(text):
-            self._part(piece, key, "body", found[1], offset, ("number of the body, 0: the ground", ""))
+            if found[2]:
+                self._part(piece, key, "last", found[2], offset + found.start(2), ("last body of many", ""))
+        if node:
+            self._part(piece, key, "node", node[3], offset + node.start(3), ("number of the node", ""))
+        elif point:
             self._take_components(
-                piece, key, found[2], offset + found.start(2), ("its point in body axes", "m")
+                piece, key, point[3], offset + point.start(3), ("its point in body axes", "m")
             )
         else:
             message = f"{key.name} must be body(x,y,z) or body:node; read {number.shown(text)}"
@@ -365,7 +368,7 @@ class _Line:
             self._part(piece, key, axis, part[0], offset + part.start(), (f"{label[0]}, {axis}", label[1]))
 
     def _part(self, piece: Word, key: Key, name: str, text: str, offset: int, label: tuple[str, str]) -> None:
-        kind = WHOLE if name in ("body", "node") else NUMBER
+        kind = WHOLE if name in ("body", "last", "node") else NUMBER
         self._add(key.name, piece, f"{key.name}.{name}", label, kind, text, offset)
 
     def _check_complete(self) -> None:

@@ -88,6 +88,8 @@ _DIRECTION = (
     Key("direction", "direction of a positive effort", VECTOR, needed=True),
     Key("axes", "number of the body in whose axes the direction is, that of `to`; 0: ground", WHOLE, 0),
 )
+_OF_MANY = "; 2-9(x,y,z) or 2-9:node are shapes of bodies 2 to 9"
+_SETS = tuple(key._replace(meaning=key.meaning + _OF_MANY) for key in _ENDS)
 _SHAPES = (
     Key("normal", "outward normal of the plane through `from`, axes of its body", VECTOR),
     *(
@@ -111,7 +113,7 @@ def key_of(parameter: Parameter) -> str:
 def _of_law(law: Law) -> BlockWord:
     """Return the word of a force law: what it measures, and its parameters."""
     if Touch in law.measures:
-        return BlockWord(law.word, law.meaning, (*_ENDS, *_SHAPES, *_parameters(law)), kinds=PAIRS, law=law)
+        return BlockWord(law.word, law.meaning, (*_SETS, *_SHAPES, *_parameters(law)), kinds=PAIRS, law=law)
     if Push in law.measures:
         to = TO._replace(meaning="point or node on which it acts", needed=True)
         return BlockWord(law.word, law.meaning, (to, *_DIRECTION, *_parameters(law)), law=law)

@@ -48,7 +48,7 @@ def add_element(system: System, work: Work, k: int, u: np.ndarray, t: float, f: 
         answer[POWER] = effort * answer[SPEED]
         return answer[POWER]
     if load["shape"] == CONTACT:
-        return add_contact(geometry_of(system, work), load, u, answer, f)
+        return add_contact(system, work, load, u, answer, f)
     directed = _fill_coordinate(system, work, load, answer)
     effort = answer_law(load, system.functions, system.knots, t, directed, answer)
     if not directed:
@@ -144,7 +144,7 @@ def add_element_slope(
     load, answer, geometry = system.loads[k], work.responses[k], geometry_of(system, work)
     r = load["c"][RADIUS]
     if load["shape"] == CONTACT:
-        add_contact_slope(geometry, load, answer, by_position, by_speed, x, y)
+        add_contact_slope(system, work, load, by_position, by_speed, x, y)
         return
     if load["in_line"] >= ALONG_VECTOR:
         return  # turns of a force are left to the iteration

@@ -5,7 +5,7 @@ body, then all η̇; its coordinates q (n + b,) are r and p of every body, then 
 """
 
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from .._jit import plain
 from ..contact import CONTACT, CONTACT_COLUMNS
 from ..laws import ANSWER_COLUMNS
 from ..linalg.rank_revealing_lu import Factors
+
+if TYPE_CHECKING:
+    from ...model.arrays.contacts import Contacts
 
 
 class System(NamedTuple):
@@ -36,6 +39,7 @@ class System(NamedTuple):
     groups: np.ndarray  # GROUP records
     joint_vectors: np.ndarray  # BODY_VECTOR records of joint coordinates, which only report rows hold
     joint_coordinates: np.ndarray  # their PRIMITIVE records, whose angles stand behind all others
+    contacts: "Contacts"  # of its loads
 
 
 class Work(NamedTuple):
@@ -60,7 +64,7 @@ class Work(NamedTuple):
     pivots: np.ndarray  # (m,) scaled, at the end of the last step, see `singular_ahead`
     responses: (
         np.ndarray
-    )  # (loads, 8; 21 with contacts) of elements, columns and SI units as in `laws`, `contact`
+    )  # (loads, 8; 16 with contacts) of elements, columns and SI units as in `laws`, `contact`
     columns: np.ndarray  # (m, 1 + c) number of places of a row of the Jacobian not zero, and these
     entries: np.ndarray  # (m n,) places of the factors, and
     ends: np.ndarray  # (m, 4) places where a row of them begins and ends, see `sparse_rows`

@@ -23,7 +23,7 @@ from .clock import BEGIN, READY, STEP_VANISHED, leads_over, new_clock
 from .constrained_equations import (
     IN_DOUBT,
     code_of_gap,
-    elements_of,
+    contacts_of,
     fill_doubtful,
     note_gap,
     projected_slope,
@@ -193,7 +193,7 @@ def _place_row(integration: Integration, t: float):
     return x
 
 
-_advance = dop853(Equations(slope, _normalise, _finish, _watch, _close, _fill_row, elements_of))
+_advance = dop853(Equations(slope, _normalise, _finish, _watch, _close, _fill_row, contacts_of))
 
 
 @kernel

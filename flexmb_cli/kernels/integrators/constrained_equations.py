@@ -25,6 +25,7 @@ from .error_norm import scaled_norm
 from .hermite import cubic
 
 if TYPE_CHECKING:
+    from ...model.arrays.contacts import Contacts
     from .integrations import AlphaIntegration, Integration, RadauIntegration
 
 IN_DOUBT = -1  # code of a row that round-off may rule
@@ -241,6 +242,6 @@ def fill_doubtful(
 
 
 @plain
-def elements_of(system: System, work: Work) -> tuple[np.ndarray, np.ndarray]:
-    """Records of elements and their answers: see `time_loop.Method`."""
-    return system.loads, work.responses
+def contacts_of(system: System, work: Work) -> "Contacts":
+    """Contacts of a system: see `time_loop.Method`."""
+    return system.contacts

@@ -1,39 +1,32 @@
 """Contacts that begin or end within a step: the step is made anew so that it ends there.
 
 Within a step each contact stays apart or touching, so that the equations are smooth and no order is lost.
-The answers of a contact keep its gap and rate at the start and at the end of the step; at the end of an
+Records of pairs keep their gaps and rates at the start and at the end of the step; at the end of an
 attempt Hermite's cubic through both estimates when the gap passes 0, and attempts of that length follow until
 it does so at the end: each one squares the error.
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .._jit import kernel
-from ..contact import (
-    AT_START,
-    BY_GAP,
-    CHANGED,
-    CONTACT,
-    END,
-    END_RATE,
-    SEPARATE,
-    START_RATE,
-    STATE,
-    TOUCHES,
-    TOUCHING,
-)
-from ..laws import COORDINATE, SPEED
+from ..contact import BY_GAP, SEPARATE, TOUCHING
+from ..contact_sets import search_pairs
 from .hermite import cubic
+
+if TYPE_CHECKING:
+    from ...model.arrays.contacts import Contacts
 
 EXACT = 1e-12  # m: a gap as good as 0
 MOST_ATTEMPTS = 30
+# Of the way for which lists of pairs hold: that of a step which was too long, and that of another search.
+SAFE, SOON = 0.9, 0.1
 PIECES, BISECTIONS = 16, 50  # of a step in which the cubic's zero is sought
 
 
-def contact_events(attempt: Callable[..., Any], elements: Callable[..., Any] | None):
+def contact_events(attempt: Callable[..., Any], contacts_of: Callable[..., Any] | None):
     """Return kernels of a method: (integration, *arrays) before a step, and (integration, factor, *arrays)
     behind an attempt, which returns the factor of the attempt that ends where the first contact changes.
     """
@@ -46,35 +39,38 @@ def contact_events(attempt: Callable[..., Any], elements: Callable[..., Any] | N
     def same(integration: Any, factor: float, *arrays: Any):
         return factor
 
-    if elements is None:
+    if contacts_of is None:
         return keep, same
 
     @kernel
     def begin(integration: Any, *arrays: Any) -> None:
-        records, answers = elements(*arrays)
-        if answers.shape[1] > END_RATE and integration.clock[0]["rejected"] == 0:
-            begin_step(records, answers, integration.clock[0]["t"])
+        contacts = contacts_of(*arrays)
+        if contacts.sets.shape[0] > 0 and integration.clock[0]["rejected"] == 0:
+            begin_step(contacts, integration.clock[0]["t"])
 
-    return begin, _landing(attempt, elements)
+    return begin, _landing(attempt, contacts_of)
 
 
-def _landing(attempt: Callable[..., Any], elements: Callable[..., Any]):
+def _landing(attempt: Callable[..., Any], contacts_of: Callable[..., Any]):
     @kernel
     def land(integration: Any, factor: float, *arrays: Any):
         clock = integration.clock[0]
-        records, answers = elements(*arrays)
-        if not answers.shape[1] > END_RATE:
+        contacts = contacts_of(*arrays)
+        if contacts.sets.shape[0] == 0:
             return factor
         low, high, target = 0.0, clock["length"], -1
         for _ in range(MOST_ATTEMPTS):
             h = clock["length"]
-            k, x = first_change(records, answers, h)
-            if k >= 0:
+            k, x = first_change(contacts, h)
+            way = longest_way(contacts)
+            if way > 1.0:
+                high, target, x = h, -1, SAFE * h / way
+            elif k >= 0:
                 high, target, x = h, k, x * h
-            elif target < 0 or abs(answers[target, COORDINATE]) <= EXACT:
+            elif target < 0 or abs(contacts.touches[target]["gap"]) <= EXACT:
                 break
             else:
-                low, x = h, h - answers[target, COORDINATE] / answers[target, SPEED]
+                low, x = h, h - contacts.touches[target]["gap"] / contacts.touches[target]["rate"]
             if not low < x < high:
                 x = 0.5 * (low + high)
             if not low < x < high:
@@ -83,59 +79,74 @@ def _landing(attempt: Callable[..., Any], elements: Callable[..., Any]):
             factor = attempt(integration, x, *arrays)
             if not factor > 0.0:
                 return factor
-        end_step(records, answers)
+        end_step(contacts)
         return factor
 
     return land
 
 
 @kernel
-def begin_step(records: np.ndarray, answers: np.ndarray, t: float) -> None:
-    """Decide by the gaps in answers (E, 21) at t, the end of the last step, which of records (E,) touch."""
-    for k in range(records.shape[0]):
-        if records[k]["shape"] != CONTACT:
-            continue
-        a = answers[k]
-        if a[STATE] == BY_GAP:
-            a[END], a[END_RATE] = a[COORDINATE], a[SPEED]
-        before, a[AT_START], a[START_RATE] = a[STATE], a[END], a[END_RATE]
-        touches = a[AT_START] < -EXACT or (a[AT_START] <= EXACT and a[START_RATE] <= 0.0)
-        a[STATE] = TOUCHING if touches else SEPARATE
-        if before != BY_GAP and before != a[STATE]:
-            a[CHANGED] = t
-        if touches and before != TOUCHING:
-            a[TOUCHES] += 1.0
+def begin_step(contacts: "Contacts", t: float) -> None:
+    """Decide by the gaps at t, the end of the last step, which pairs touch."""
+    for k in range(contacts.sets.shape[0]):
+        s = contacts.sets[k]
+        s["stepping"] = 1
+        for n in range(s["first"], s["first"] + s["count"]):
+            a = contacts.touches[n]
+            if a["state"] == BY_GAP:
+                a["at_end"], a["end_rate"] = a["gap"], a["rate"]
+            before, a["at_start"], a["start_rate"] = a["state"], a["at_end"], a["end_rate"]
+            touches = a["at_start"] < -EXACT or (a["at_start"] <= EXACT and a["start_rate"] <= 0.0)
+            a["state"] = TOUCHING if touches else SEPARATE
+            if before != BY_GAP and before != a["state"]:
+                s["changed"] = t
+            if touches and before != TOUCHING:
+                s["begun"] += 1.0
 
 
 @kernel
-def end_step(records: np.ndarray, answers: np.ndarray) -> None:
-    """Keep the gaps of records (E,) at the end of a step in their answers (E, 21)."""
-    for k in range(records.shape[0]):
-        if records[k]["shape"] == CONTACT:
-            answers[k, END], answers[k, END_RATE] = answers[k, COORDINATE], answers[k, SPEED]
+def end_step(contacts: "Contacts") -> None:
+    """Keep the gaps at the end of a step, and search pairs there if shapes have moved."""
+    for k in range(contacts.sets.shape[0]):
+        s = contacts.sets[k]
+        for n in range(s["first"], s["first"] + s["count"]):
+            a = contacts.touches[n]
+            a["at_end"], a["end_rate"] = a["gap"], a["rate"]
+        if s["buckets"] > 0 and s["moved"] > SOON:
+            search_pairs(contacts, s)
 
 
 @kernel
-def first_change(records: np.ndarray, answers: np.ndarray, h: float):
-    """Return the first of records (E,) with answers (E, 21) that changes within a step, and its share of h.
+def longest_way(contacts: "Contacts") -> float:
+    """Return how far a shape has moved, as a share of the way for which lists of pairs hold."""
+    way = 0.0
+    for k in range(contacts.sets.shape[0]):
+        way = max(way, contacts.sets[k]["moved"])
+    return way
+
+
+@kernel
+def first_change(contacts: "Contacts", h: float):
+    """Return the first pair that changes within a step of length h, and its share of h.
 
     -1 and 2: none does.
     """
     first, share = -1, 2.0
-    for k in range(records.shape[0]):
-        if records[k]["shape"] == CONTACT:
-            x = _change(answers[k], h)
+    for k in range(contacts.sets.shape[0]):
+        s = contacts.sets[k]
+        for n in range(s["first"], s["first"] + s["count"]):
+            x = _change(contacts.touches[n], h)
             if x < share:
-                first, share = k, x
+                first, share = n, x
     return first, share
 
 
 @kernel
-def _change(a: np.ndarray, h: float):
-    """Share of a step of length h after which a contact with an answer (21,) changes, 2: it does not."""
-    sign = 1.0 if a[STATE] == SEPARATE else -1.0
-    start, end = sign * a[AT_START], sign * a[COORDINATE]
-    leaving, arriving = sign * h * a[START_RATE], sign * h * a[SPEED]
+def _change(a: np.void, h: float):
+    """Share of a step of length h after which a TOUCH changes, 2: it does not."""
+    sign = 1.0 if a["state"] == SEPARATE else -1.0
+    start, end = sign * a["at_start"], sign * a["gap"]
+    leaving, arriving = sign * h * a["start_rate"], sign * h * a["rate"]
     turns = sign > 0.0 and leaving < 0.0 < arriving
     if not (end < -EXACT or turns):
         return 2.0

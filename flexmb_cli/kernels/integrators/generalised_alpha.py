@@ -22,6 +22,7 @@ from .clock import BEGIN, READY, STEP_VANISHED, new_clock
 from .constrained_equations import (
     add_works,
     code_of_gap,
+    contacts_of,
     fill_doubtful,
     first_step,
     interpolate_angles,
@@ -214,7 +215,7 @@ def _accelerations_between(integration: AlphaIntegration, x: float, ud: np.ndarr
         ud[k] = cubic_slope(x, old[i], z[i], h * rates[BEFORE, k], h * rates[LAST, k]) / h
 
 
-_advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row), SAME_TIME_IN_STEP)
+_advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row, contacts_of), SAME_TIME_IN_STEP)
 
 
 @kernel

@@ -31,7 +31,7 @@ from .clock import BEGIN, READY, STEP_VANISHED, laid_out, new_clock
 from .constrained_equations import (
     add_works,
     code_of_gap,
-    elements_of,
+    contacts_of,
     fill_doubtful,
     first_step,
     interpolate_angles,
@@ -356,7 +356,7 @@ def _fill_row(integration: RadauIntegration, t: float, report: Report, system: S
     return READY
 
 
-_advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row, elements_of))
+_advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row, contacts_of))
 
 
 @kernel

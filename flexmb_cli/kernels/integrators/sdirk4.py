@@ -27,7 +27,7 @@ from .dop853 import reject
 from .error_norm import CAUTION, ITERATED, SLOWEST, strayed, tolerance
 from .hermite import cubic, quintic
 from .time_loop import Method, time_loop
-from .tree_dop853 import elements_of_tree, observe_trial
+from .tree_dop853 import contacts_of_tree, observe_trial
 
 if TYPE_CHECKING:
     from ...model.arrays.tree import TreeArrays
@@ -196,7 +196,7 @@ def _fill_row(
     return observe_trial(s, s.rate, t, report, tree, work, coordinates)
 
 
-_advance = time_loop(Method(_length, _attempt, _accept, reject, _fill_row, elements_of_tree))
+_advance = time_loop(Method(_length, _attempt, _accept, reject, _fill_row, contacts_of_tree))
 
 
 @kernel

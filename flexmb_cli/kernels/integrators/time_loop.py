@@ -32,8 +32,8 @@ class Method(NamedTuple):
     reject: Callable
     # (integration, t, report, *arrays): fill a report row at a time up to the state; a code
     fill_row: Callable
-    # (*arrays): records of elements, and their answers, whose contacts end steps; None: no step ends there
-    elements: Callable | None = None
+    # (*arrays): the contacts that end steps; None: no step ends there
+    contacts: Callable | None = None
 
 
 def time_loop(method: Method, same: float = 0.0) -> Callable:
@@ -67,8 +67,8 @@ def time_loop(method: Method, same: float = 0.0) -> Callable:
 
 
 def _steps(method: Method):
-    length, attempt, accept, reject, _, elements = method
-    begin, land = contact_events(attempt, elements)
+    length, attempt, accept, reject, _, contacts = method
+    begin, land = contact_events(attempt, contacts)
 
     @kernel
     def take_step(integration: Any, spent: int, *arrays: Any):

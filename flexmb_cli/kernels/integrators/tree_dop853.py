@@ -20,6 +20,7 @@ from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGES
 from .error_norm import scaled_norm, strayed
 
 if TYPE_CHECKING:
+    from ...model.arrays.contacts import Contacts
     from ...model.arrays.tree import TreeArrays
 
 # Tasks besides BEGIN and INTEGRATION of `clock`: close the loops of z; continue at z with a known step; then,
@@ -193,14 +194,12 @@ def observe_trial(
 
 
 @plain
-def elements_of_tree(
-    tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Records of elements and their answers: see `Method`."""
-    return tree.elements, tree.answers
+def contacts_of_tree(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray) -> "Contacts":
+    """Contacts of a tree: see `Method`."""
+    return tree.contacts
 
 
-_advance = dop853(Equations(_slope, _normalise, _finish, _watch, _close, _fill_row, elements_of_tree))
+_advance = dop853(Equations(_slope, _normalise, _finish, _watch, _close, _fill_row, contacts_of_tree))
 
 
 @kernel

@@ -7,7 +7,7 @@ import numpy as np
 from .._jit import allocating, kernel
 from ..constrained.dry_friction import fill_feedback
 from ..laws import DAMPING, RADIUS, STIFFNESS
-from ..linalg.vec3 import cross, inward, minus, plus, scaled, store, triple
+from ..linalg.vec3 import cross, inward, minus, plus, scaled, triple
 from .composite_mass import add_generalised_forces
 from .elements import ABOUT, BETWEEN, IN_COORDINATE, answer_elements
 from .friction import answer_frictions
@@ -26,9 +26,10 @@ def set_element_rows(
     rows: np.ndarray,
     slopes: np.ndarray,
 ) -> None:
-    """Fill rows (E + m + 2 C, NS) and slopes (E + m + 2 C, 2) for frames placed at the state z.
+    """Fill rows (E + m + 3 T, NS) and slopes (E + m + 3 T, 2) for frames placed at the state z.
 
-    Behind elements and frictions stand two rows of each contact, along and across its sliding.
+    Behind elements and frictions stand three rows of each pair that may touch: normal, along and across its
+    sliding; the row of a contact itself is 0.
 
     The slopes of friction have the feedback of its own normal force, as it was found last.
     """
@@ -37,9 +38,11 @@ def set_element_rows(
     answer_elements(tree, work, 0.0, q, y, coordinates)
     answer_frictions(tree, y)
     rows.fill(0.0)
-    sliding = tree.answers.shape[0]
-    for e in range(sliding):
+    slopes.fill(0.0)
+    for e in range(tree.answers.shape[0]):
         k = e - tree.elements.shape[0]
+        if k < 0 and tree.elements[e]["measure"] == BETWEEN:
+            continue
         slopes[e, 0], slopes[e, 1] = max(tree.answers[e, STIFFNESS], 0.0), max(tree.answers[e, DAMPING], 0.0)
         if k >= 0:
             _set_friction_row(tree.frictions[k], y, rows[e])
@@ -49,10 +52,12 @@ def set_element_rows(
             if tree.elements[e]["curve"] >= 0:
                 rows[e, tree.elements[e]["cam"]] -= tree.elements[e]["slope"]
         else:
-            if tree.elements[e]["measure"] == BETWEEN:
-                _set_sliding(tree, work, coordinates, tree.elements[e], sliding, rows, slopes)
-                sliding += 2
             _set_row(tree, work, coordinates, tree.elements[e], rows[e])
+    for k in range(tree.contacts.sets.shape[0]):
+        s = tree.contacts.sets[k]
+        for n in range(s["first"], s["first"] + s["count"]):
+            if tree.contacts.touches[n]["effort"] != 0.0:
+                _set_touch(tree, work, coordinates, n, tree.answers.shape[0] + 3 * n, rows, slopes)
     for m in range(rows.shape[1]):
         if tree.given[m]:
             for e in range(rows.shape[0]):
@@ -71,25 +76,45 @@ def _take_feedback(tree: "TreeArrays", slopes: np.ndarray) -> None:
 
 
 @kernel
-def _set_sliding(
+def _set_touch(
     tree: "TreeArrays",
     work: np.ndarray,
     coordinates: np.ndarray,
-    element: np.void,
+    k: int,
     first: int,
     rows: np.ndarray,
     slopes: np.ndarray,
 ) -> None:
-    """Fill two rows of a contact; its unit force then is the normal without friction."""
-    normal, along = triple(element["normal"], 0), triple(element["along"], 0)
-    store((0.0, 0.0, 0.0), element["torque"], 0)
-    store(along, element["force"], 0)
-    _set_row(tree, work, coordinates, element, rows[first])
-    store(cross(normal, along), element["force"], 0)
-    _set_row(tree, work, coordinates, element, rows[first + 1])
-    store(normal, element["force"], 0)
-    slopes[first, 0], slopes[first, 1] = 0.0, element["slope_along"]
-    slopes[first + 1, 0], slopes[first + 1, 1] = 0.0, element["slope_across"]
+    """Fill the three rows of pair k, of unit forces at its place of contact."""
+    touch, ends = tree.contacts.touches[k], tree.contacts.ends
+    normal, along = triple(touch["normal"], 0), triple(touch["along"], 0)
+    slopes[first, 0], slopes[first, 1] = touch["stiffness"], touch["damping"]
+    slopes[first + 1, 1], slopes[first + 2, 1] = touch["slope_along"], touch["slope_across"]
+    for n in range(3):
+        force = normal if n == 0 else along if n == 1 else cross(normal, along)
+        j, i = ends[touch["end_j"]], ends[touch["end_i"]]
+        _add_end(tree, work, coordinates, j, triple(touch["arm_j"], 0), force, rows[first + n])
+        _add_end(tree, work, coordinates, i, triple(touch["arm_i"], 0), scaled(-1.0, force), rows[first + n])
+
+
+@kernel
+def _add_end(
+    tree: "TreeArrays",
+    work: np.ndarray,
+    coordinates: np.ndarray,
+    end: np.void,
+    arm: tuple[float, float, float],
+    force: tuple[float, float, float],
+    row: np.ndarray,
+) -> None:
+    """Add what coordinates feel of a force at the arm from an end."""
+    s = work[end["frame"]]
+    n = cross(plus(minus(triple(end["position"], 0), triple(s["position"], 0)), arm), force)
+    add_generalised_forces(tree, work, coordinates, end["frame"], n, force, row)
+    along = inward(s["axes"], force)
+    for axis in range(3):
+        if end["node"][axis] >= 0:
+            row[end["node"][axis]] += along[axis]
 
 
 @kernel

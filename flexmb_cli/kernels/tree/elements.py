@@ -13,7 +13,7 @@ import numpy as np
 
 from .._jit import kernel, part
 from ..constrained.time_functions import function_values
-from ..contact import PLACE, answer_contact
+from ..contact_sets import answer_set
 from ..laws import COORDINATE, EFFORT, ENERGY, NO_LENGTH, POWER, SPEED, answer_law
 from ..linalg.vec3 import accumulate, column, cross, dot, inward, minus, outward, plus, scaled, store, triple
 from .kinematics import _along_axes
@@ -40,12 +40,12 @@ def answer_elements(
                 element["slope"] = slope
                 answer[COORDINATE] -= value
                 answer[SPEED] -= slope * y[cam]
-        elif element["measure"] != BETWEEN:
-            directed = _measure(element, work, q, y, answer)
-        if element["measure"] == BETWEEN:
-            effort = _answer_contact(element, work, q, y, answer)
+        elif element["measure"] == BETWEEN:
+            _answer_contact(tree, element, work, q, y, coordinates, answer)
+            continue
         else:
-            effort = answer_law(element, tree.curves, tree.knots, min(t, element["until"]), directed, answer)
+            directed = _measure(element, work, q, y, answer)
+        effort = answer_law(element, tree.curves, tree.knots, min(t, element["until"]), directed, answer)
         if element["measure"] == IN_COORDINATE:
             coordinates[element["coordinate"]]["effort"] += effort
             if element["curve"] >= 0:
@@ -56,28 +56,32 @@ def answer_elements(
             _push_node(element["node_i"], inward(work[element["frame_i"]]["axes"], force), -1.0, coordinates)
 
 
-@part
-def _unit_vectors(s: np.void):
-    return column(s["axes"], 0), column(s["axes"], 1), column(s["axes"], 2)
-
-
 @kernel
 def _answer_contact(
-    element: np.void, work: np.ndarray, q: np.ndarray, y: np.ndarray, answer: np.ndarray
-) -> float:
-    """Answer for a contact, and fill its unit force; returns the normal force."""
-    a, b = work[element["frame_i"]], work[element["frame_j"]]
-    start, start_velocity = _point(a, element["point_i"], element["node_i"], q, y)
-    end, velocity = _point(b, element["point_j"], element["node_j"], q, y)
-    d, v = minus(end, start), minus(velocity, start_velocity)
-    w_i, w_j = triple(a["angular"], 0), triple(b["angular"], 0)
-    arm = answer_contact(element, d, v, _unit_vectors(a), w_i, _unit_vectors(b), w_j, answer)
-    place = plus(start, arm)
-    store(place, element["place"], 0)
-    store(place, answer, PLACE)
-    store(triple(element["push"], 0), element["force"], 0)
-    store(triple(element["roll"], 0), element["torque"], 0)
-    return answer[EFFORT]
+    tree: "TreeArrays",
+    element: np.void,
+    work: np.ndarray,
+    q: np.ndarray,
+    y: np.ndarray,
+    coordinates: np.ndarray,
+    answer: np.ndarray,
+) -> None:
+    """Place the ends of a contact, answer for it, and add forces on nodes along their coordinates."""
+    s = tree.contacts.sets[element["coordinate"]]
+    for e in range(s["first_end"], s["first_end"] + s["ends"]):
+        end = tree.contacts.ends[e]
+        f = work[end["frame"]]
+        position, velocity = _point(f, end["point"], end["node"], q, y)
+        store(position, end["position"], 0)
+        store(velocity, end["velocity"], 0)
+        store(triple(f["angular"], 0), end["angular"], 0)
+        for k in range(3):
+            store(column(f["axes"], k), end["axes"], 3 * k)
+    answer_set(element["c"], tree.contacts, element["coordinate"], answer)
+    for e in range(s["first_end"], s["first_end"] + s["ends"]):
+        end = tree.contacts.ends[e]
+        force = inward(work[end["frame"]]["axes"], triple(end["force"], 0))
+        _push_node(end["node"], force, 1.0, coordinates)
 
 
 @part
@@ -94,7 +98,7 @@ def add_element_wrenches(tree: "TreeArrays", work: np.ndarray) -> None:
     """Take the forces that elements put on frames off their biases."""
     for i in range(tree.elements.shape[0]):
         element = tree.elements[i]
-        if element["measure"] != IN_COORDINATE:
+        if element["measure"] != IN_COORDINATE and element["measure"] != BETWEEN:
             effort, place = tree.answers[i, EFFORT], triple(element["place"], 0)
             force, torque = (
                 scaled(effort, triple(element["force"], 0)),
@@ -102,6 +106,10 @@ def add_element_wrenches(tree: "TreeArrays", work: np.ndarray) -> None:
             )
             _add_wrench(work[element["frame_i"]], place, force, torque, 1.0)
             _add_wrench(work[element["frame_j"]], place, force, torque, -1.0)
+    for e in range(tree.contacts.ends.shape[0]):
+        end = tree.contacts.ends[e]
+        force, torque = triple(end["force"], 0), triple(end["torque"], 0)
+        _add_wrench(work[end["frame"]], triple(end["position"], 0), force, torque, -1.0)
 
 
 @part

@@ -39,8 +39,8 @@ class Stiff(NamedTuple):
     jacobian: np.ndarray  # (R, NS) J
     inverse_jacobian: np.ndarray  # (R, NS) rows of (b + f D + f² K)^-1 Jᵀ
     schur: np.ndarray  # (R, R) J times these
-    element_rows: np.ndarray  # (E + m + 2 C, NS) what coordinates feel of a unit effort, 1, m
-    element_slopes: np.ndarray  # (E + m + 2 C, 2) -dF/dx and -dF/dv, N/m, N s/m, or of torques and turns
+    element_rows: np.ndarray  # (E + m + 3 T, NS) what coordinates feel of a unit effort, 1, m
+    element_slopes: np.ndarray  # (E + m + 3 T, 2) -dF/dx and -dF/dv, N/m, N s/m, or of torques and turns
 
 
 def stiff_work(closures: np.ndarray, speeds: int, elements: int) -> Stiff:
@@ -76,6 +76,8 @@ def _add_element_stiffness(s: Stiff) -> None:
     n = s.stiff.shape[0]
     for e in range(s.element_rows.shape[0]):
         row, end = s.element_rows[e], n
+        if s.element_slopes[e, 0] == 0.0 and s.element_slopes[e, 1] == 0.0:
+            continue
         while end > 0 and row[end - 1] == 0.0:
             end -= 1
         for i in range(end):
@@ -90,6 +92,8 @@ def _add_element_damping(tree: "TreeArrays", factor: float, s: Stiff) -> None:
     """Matrix += factor d g gᵀ of every element."""
     for e in range(s.element_rows.shape[0]):
         row = s.element_rows[e]
+        if s.element_slopes[e, 1] == 0.0:
+            continue
         for i in range(row.shape[0]):
             if row[i] != 0.0:
                 for j in range(i, s.stiff_ends[i]):

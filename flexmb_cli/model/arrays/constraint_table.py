@@ -15,6 +15,7 @@ from ..flexible_mechanism import FloatingBody, NodePoint
 from ..joints import Equation
 from ..mechanism import Body
 from ..vectors import rotation_matrix
+from .contacts import ContactTable
 from .function_table import FunctionTable
 from .records import GROUP, NONE, PRIMITIVE, BodyVectorTable, blank_primitive
 
@@ -55,6 +56,7 @@ class PrimitiveTable(FunctionTable):
         self._next = NONE
         self.tracks: list[list[np.ndarray]] = []  # three primitives of the parameter of each curve
         self._reported: PrimitiveTable | None = None
+        self.contacts = ContactTable()
 
     def reported(self) -> "PrimitiveTable":
         """Return the table of the joint coordinates that report rows alone hold, its `springs`."""
@@ -178,5 +180,6 @@ class PrimitiveTable(FunctionTable):
             "body_vectors": body_vectors,
             "shapes": np.concatenate([shapes, more_shapes]),
             "primitives": self._primitives(),
+            "contacts": self.contacts.arrays(),
             **self.function_arrays(),
         }

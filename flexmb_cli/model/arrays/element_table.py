@@ -16,7 +16,7 @@ from ..joints import ANGLE, BY_NAME, PITCH, STROKE
 from ..laws import FRICTION, SPRING, At, Cam, Element, Frames, Line, Push, Touch, is_angle
 from ..time_functions import MotionFunction
 from .constraint_table import PrimitiveTable
-from .contacts import fill_contact
+from .contacts import END, fill_contact
 from .function_table import fill_bushing, fill_law
 from .node_joints import JointVectors
 from .records import (
@@ -162,6 +162,10 @@ class ElementTable:
         All equations must have been added.
         """
         forces = self.elements.forces
+        self.table.contacts.joined |= {frozenset(group[2:]) for group in self.table.groups}
+        if isinstance(self.joints, PointJoints):
+            joints = range(len(self.joints.joints))
+            self.table.contacts.joined |= {frozenset(self.joints.bodies(k)) for k in joints}
         found = [*others, *(self._load(item) for item in springs)]
         found += [self._load(item) for item in forces if item.law is not FRICTION]
         found += [self._probe(track) for track in self.table.tracks]
@@ -174,7 +178,7 @@ class ElementTable:
             self._bushings += 1
             return self._bushing(item, self._bushings - 1)
         if isinstance(item.measure, Touch):
-            return self._contact(item, item.measure)
+            return self._contact(item)
         if isinstance(item.measure, Push):
             return fill_law(self._push(item.measure), item.law, item.values, self.table)
         record = self._line(item.measure) if isinstance(item.measure, Line) else self._at(item.measure)
@@ -218,14 +222,17 @@ class ElementTable:
         record["vector"], record["following"] = ends.direction, ends.follows
         return record
 
-    def _contact(self, item: Element, ends: Touch) -> Any:
-        """A load for each point that may touch."""
-        head, tail = self._end(ends.j, ends.P_j), self._end(ends.i, ends.P_i)
-        records = np.repeat(blank_load(ELEMENT), ends.parts)
-        records["primitive"] = self.table.spring(line_primitive(head, tail))
-        origin = self.table.body_vector(NONE, np.zeros(3))
-        records["stroke"] = self.table.spring(line_primitive(head, origin))
+    def _contact(self, item: Element) -> Any:
+        """A load for each of its sets."""
+        records = np.repeat(blank_load(ELEMENT), len(item.parts))
+        records["group"] = self.table.contacts.add(item, self._contact_end)
         return fill_contact(records, item)
+
+    def _contact_end(self, body: int, point: Any) -> np.ndarray:
+        """The END record of a shape: its place is that from the global origin."""
+        origin, record = self.table.body_vector(NONE, np.zeros(3)), np.zeros((), END)
+        record["frame"] = self.table.spring(line_primitive(self._end(body, point), origin))
+        return record
 
     def _bushing(self, item: Element, number: int) -> Any:
         """Six loads, along and about the axes of body i."""

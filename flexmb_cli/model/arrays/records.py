@@ -26,28 +26,6 @@ LAW = np.dtype(
 FORCE, TORQUE, ELEMENT, FRICTION = 1, 2, 5, 6
 ALONG_VECTOR, ABOUT_VECTOR = 2, 3  # ELEMENT, in `in_line`: a force, or torque, along its `vector`
 
-# What records of contacts have beside, see `contacts`.
-TOUCH = np.dtype(
-    [
-        ("pair", np.int64),  # PLANE_BALL, PLANE_RIM, CORES, BOX_BALL, CYLINDER_BALL
-        ("axis_i", np.float64, 3),  # unit normal of a plane, else core from its point on, axes of i, m
-        ("axis_j", np.float64, 3),  # unit axis of a rim, else core from its point on, axes of j, m
-        ("offset_j", np.float64, 3),  # from the point of j to that of its core, axes of j, m
-        ("size", np.float64, 3),  # half edges of a box; radius of a rim or of a solid cylinder, m
-        ("radius_i", np.float64),  # around the core of i, m
-        ("radius_j", np.float64),  # around the core of j, m
-        # What kernels fill, in global axes:
-        ("normal", np.float64, 3),  # unit vector from i to j
-        ("push", np.float64, 3),  # force on j per unit of the normal force
-        ("roll", np.float64, 3),  # torque on j per unit of the normal force, m
-        ("along", np.float64, 3),  # unit vector of sliding
-        ("slope_along", np.float64),  # -dF/dv of friction along it, N s/m
-        ("slope_across", np.float64),  # the same across it, N s/m
-        ("arm_i", np.float64, 3),  # from the point of i to the place of contact, m
-        ("arm_j", np.float64, 3),  # from the point of j to the place of contact, m
-    ]
-)
-
 MASS = np.dtype(
     [
         ("mass", np.float64),  # kg
@@ -113,13 +91,11 @@ LOAD = np.dtype(
         ("vector", np.float64, 3),  # N or N m
         # ELEMENT: 1: it acts in the length of V; ALONG_VECTOR, ABOUT_VECTOR: along or about `vector`.
         ("in_line", np.int64),
-        # Of a contact the primitive whose V is the point of body j.
         ("stroke", np.int64),  # FRICTION: primitive of the stroke, -1: none; `primitive` is the angle
-        ("group", np.int64),  # FRICTION: number of the joint among the groups; of a bushing its own
+        ("group", np.int64),  # FRICTION: joint among the groups; of bushings and contacts their own
         ("thread", np.float64),  # FRICTION: ratio of force on the flanks of a screw to that along its axis
         ("function", np.int64),  # FORCE, TORQUE: function of time that it is multiplied by, -1: none
         *LAW.descr,
-        *TOUCH.descr,
     ]
 )
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..joints import Equation
+from .contacts import Contacts
 
 SPEEDS_OF_BODY = ("vx", "vy", "vz", "ωx", "ωy", "ωz")
 
@@ -38,6 +39,7 @@ class SystemArrays:
     functions: np.ndarray  # FUNCTION
     knots: np.ndarray  # (k, 3)
     gravity: np.ndarray  # (3,) global axes, m/s²
+    contacts: Contacts  # of its loads
 
     @property
     def bodies(self) -> int:

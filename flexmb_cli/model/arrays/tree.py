@@ -14,6 +14,7 @@ import numpy as np
 from ..geometric_stiffness import across, beam_direction, geometric_stiffness
 from ..laws import FRICTION
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
+from .contacts import Contacts
 from .node_frames import NodeFrames, empty_node_frames
 from .tree_elements import CLOSURE_ROW, REPEATED, TreeElements
 from .tree_frames import NODAL_MASS, tree_frames
@@ -100,6 +101,7 @@ class TreeArrays(NamedTuple):
     answers: np.ndarray  # (E + m, 8) what they answered last, SI units, columns of `kernels.laws`
     curves: np.ndarray  # FUNCTION records of `records`: those of elements, drivers and torques
     knots: np.ndarray  # (k, 3) their knots, units of the functions
+    contacts: Contacts  # of its elements
     balls: int  # hinges with three rotations
     one_way: bool  # whether the elastic motion does not act on the rigid motion (thesis 4.3)
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from ..laws import FRICTION, At, Cam, Frames, Push, Touch
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
-from .contacts import columns_of_answers, fill_contact
+from .contacts import END, ContactTable, columns_of_answers, fill_contact
 from .function_table import FunctionTable, fill_bushing, fill_law
-from .records import LAW, TOUCH
+from .records import LAW
 
 if TYPE_CHECKING:
     from ..flexible_mechanism import NodePoint
@@ -25,7 +25,7 @@ OF_BUSHING = 6  # records: three displacements, three angles
 TREE_ELEMENT = np.dtype(
     [
         ("measure", np.int64),  # IN_COORDINATE, IN_LINE, ALONG, ABOUT, BETWEEN shapes, PUSHED or TWISTED
-        ("coordinate", np.int64),  # IN_COORDINATE: number of the hinge coordinate
+        ("coordinate", np.int64),  # IN_COORDINATE: number of the hinge coordinate; BETWEEN: CONTACT_SET
         ("curve", np.int64),  # IN_COORDINATE: function of a cam that is taken off, among `curves`, -1: none
         ("cam", np.int64),  # number of the coordinate that `curve` is a function of
         ("slope", np.float64),  # of `curve`, as it was evaluated last, m or rad per m or rad
@@ -45,7 +45,6 @@ TREE_ELEMENT = np.dtype(
         ("torque", np.float64, 3),  # ABOUT: on body j per unit effort, opposite on i, inertial axes
         ("place", np.float64, 3),  # inertial axes, m
         *LAW.descr,
-        *TOUCH.descr,
     ]
 )
 
@@ -97,8 +96,10 @@ class TreeElements:
     def __init__(self, tree: Tree, index: Mapping[Any, Any], of_body: Sequence[int]):
         self.tree, self.index, self.of_body = tree, index, of_body
         self.table = FunctionTable()
+        self._contacts = ContactTable()
+        self._contacts.joined |= {frozenset((k, hinge.parent)) for k, hinge in enumerate(tree.hinges)}
 
-    def arrays(self) -> dict[str, np.ndarray]:
+    def arrays(self) -> dict[str, Any]:
         """Fields of TreeArrays; drivers must have been added."""
         elements, frictions = self._elements(), self._frictions()
         m, curves = frictions.size, self.table.function_arrays()
@@ -110,6 +111,7 @@ class TreeElements:
             "answers": np.zeros((elements.size + m, columns_of_answers(elements))),
             "curves": curves["functions"],
             "knots": curves["knots"],
+            "contacts": self._contacts.arrays(),
         }
 
     def couplings(self) -> np.ndarray:
@@ -143,7 +145,7 @@ class TreeElements:
                 if isinstance(item.measure, Cam):
                     records["cam"] = self.coordinate(*item.measure[2:4])
                     records["curve"] = self.table.function(item.measure.function, of_time=False)
-            else:
+            elif not isinstance(item.measure, Touch):
                 self._place(records, item.measure)
             if isinstance(item.measure, Frames):
                 records["measure"], records["axis"] = 3 * [ALONG] + 3 * [ABOUT], 2 * [0, 1, 2]
@@ -154,7 +156,7 @@ class TreeElements:
                 records["axis"], records["point_i"] = item.measure.follows, item.measure.direction
                 fill_law(records, item.law, item.values, self.table)
             elif isinstance(item.measure, Touch):
-                records["measure"] = BETWEEN
+                records["measure"], records["coordinate"] = BETWEEN, self._contacts.add(item, self._end)
                 fill_contact(records, item)
             else:
                 fill_law(records, item.law, item.values, self.table)
@@ -185,9 +187,16 @@ class TreeElements:
         """Fill the ends of a line, or of the six records of a bushing, which are attached at the start."""
         record["measure"] = IN_LINE
         for side, body, point in (("i", ends.i, ends.P_i), ("j", ends.j, ends.P_j)):
-            record[f"frame_{side}"] = 0 if body == INERTIAL else self.of_body[body]
-            # Ends in a tree are points of bodies.
-            record[f"point_{side}"], record[f"node_{side}"] = point.r0, self._node(point)
+            end = self._end(body, point)
+            for field in ("frame", "point", "node"):
+                record[f"{field}_{side}"] = end[field]
+
+    def _end(self, body: int, point: "NodePoint") -> np.ndarray:
+        """The END record of a point of a body."""
+        record = np.zeros((), END)
+        record["frame"] = 0 if body == INERTIAL else self.of_body[body]
+        record["point"], record["node"] = point.r0, self._node(point)
+        return record
 
     def _node(self, point: "NodePoint") -> list[int]:
         """Elastic coordinates that move a node along the axes of its body, -1 where none does."""

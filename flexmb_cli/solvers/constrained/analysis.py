@@ -16,7 +16,17 @@ from ...kernels.integrators import clock as codes
 from ...model.arrays.system import SystemArrays
 from ...model.joints import DEPENDENT
 from ..assembly import TO_GAP
-from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of, taken, taken_clock
+from ..checkpoint import (
+    arrays_in,
+    contacts_in,
+    faults_reported,
+    fill_arrays,
+    reported,
+    restore_contacts,
+    row_of,
+    taken,
+    taken_clock,
+)
 from ..curve_ends import on_curves
 from ..singular.dynamic_singularities import PassedDynamicSingularities, is_singular
 from ..singular.mobility import Mobility
@@ -95,6 +105,7 @@ class ConstrainedMotion(ConstrainedState):
             "undetermined": np.array(self.undetermined),
             **arrays_in(integration=self.integration, work=self.work),
             **self.singularities.checkpoint,
+            **contacts_in(self.arrays.contacts),
         }
 
     def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
@@ -114,6 +125,7 @@ class ConstrainedMotion(ConstrainedState):
         taken_clock(checkpoint, "integration/clock", self.clock, size, equations)
         fill_arrays(checkpoint, integration=self.integration, work=self.work)
         self.singularities.restore(checkpoint)
+        restore_contacts(checkpoint, self.arrays.contacts)
 
     def _reports(self, times: np.ndarray) -> Iterator[Report]:
         """Reports of as many rows as a call fills, up to all `times`; raises AnalysisError."""

@@ -13,8 +13,10 @@ from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators.clock import CONTRADICTION
 from ...kernels.laws import COORDINATE
+from ...model.arrays.contacts import PAIRS_OF_AN_END
 from ...model.arrays.records import ELEMENT
 from ...model.integrators import METHODS
+from ...model.laws import CONTACT
 from ...model.unit_checks import uneven_masses
 from ..singular.conditioning import owners_text
 from ..singular.dynamic_singularities import (
@@ -99,15 +101,27 @@ def rows_with_forces(responses: np.ndarray) -> int:
 def force_failure(analysis: ConstrainedState, responses: np.ndarray, t: float) -> AnalysisError:
     """Return why loads (responses, (loads, columns)) have no force at t: a bushing, else friction."""
     turned = _overturned(analysis, responses)
-    return (
-        bushing_failure(int(analysis.arrays.loads["group"][turned[0]]), t) if turned.size else jam_failure(t)
-    )
+    if not turned.size:
+        return jam_failure(t)
+    load = analysis.arrays.loads[turned[0]]
+    if load["shape"] == CONTACT.code:
+        return crowd_failure(t)
+    return bushing_failure(int(load["group"]), t)
 
 
 def _overturned(analysis: ConstrainedState, responses: np.ndarray) -> np.ndarray:
     """Return which loads are bushings whose bodies have turned too far."""
     elements = analysis.arrays.loads["kind"] == ELEMENT
     return np.flatnonzero(elements & ~np.isfinite(responses[:, COORDINATE]))
+
+
+def crowd_failure(t: float) -> AnalysisError:
+    """Return that more pairs of shapes are near each other than there is room for."""
+    message = (
+        f"at t = {t:.6g} s each shape of a contact of many is near to more than {PAIRS_OF_AN_END} others on "
+        "average, before or after it; give contacts of large and of small shapes lines of their own"
+    )
+    return AnalysisError(Fault("error", message, None, "contact", id="SOLVE-120"), t)
 
 
 def bushing_failure(number: int, t: float) -> AnalysisError:

@@ -7,13 +7,12 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ...kernels.contact import AT_START, CONTACT_COLUMNS, END, TOUCHES
 from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...model.arrays.tree import TreeArrays
 from ...model.integrators import LIBRARY_TREE_METHODS, steps_at_limit
 from ...model.tree import Tree
-from ..checkpoint import row_of, taken, taken_clock
+from ..checkpoint import contacts_in, restore_contacts, row_of, taken, taken_clock
 from ..curve_ends import on_curves
 from .assembly import assemble_tree, pivot_shares
 from .breakpoints import breakpoints, refuse_jumps
@@ -28,8 +27,7 @@ class TreeAnalysis(TreeSteps):
 
     def __init__(self, tree: Tree, checkpoint: Mapping[str, np.ndarray] | None = None):
         super().__init__(tree)
-        answers = self.arrays.answers
-        self._contacts = answers[:, TOUCHES:].copy() if answers.shape[1] == CONTACT_COLUMNS else None
+        self._contacts = contacts_in(self.arrays.contacts)  # at the last breakpoint
         if checkpoint is not None:
             self.restore(checkpoint)
 
@@ -54,7 +52,7 @@ class TreeAnalysis(TreeSteps):
             "state": self.integration.old.copy(),
             "attitude": self.attitude,
             **self._attachments(),
-            **self._contacts_to_go_on(),
+            **(contacts_in(self.arrays.contacts, at_start=True) if self._by_steps else self._contacts),
         }
 
     def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
@@ -67,8 +65,7 @@ class TreeAnalysis(TreeSteps):
         self.integration.z[:] = taken(checkpoint, "state", self.integration.z.shape)
         for name, values in self._attachments().items():
             values[:] = taken(checkpoint, name, values.shape)
-        if self._contacts is not None:
-            self.arrays.answers[:, TOUCHES:] = taken(checkpoint, "contacts", self._contacts.shape)
+        restore_contacts(checkpoint, self.arrays.contacts)
 
     def _attachments(self) -> dict[str, np.ndarray]:
         """Return what elements keep of the motion before, by names in resume files."""
@@ -78,15 +75,10 @@ class TreeAnalysis(TreeSteps):
         names = {"bushing_axes": elements["turned"], "bushing_angles": elements["expected"]}
         return {**names, "coupling_values": values, "parameters": self.arrays.closures["parameter"]}
 
-    def _contacts_to_go_on(self) -> dict[str, np.ndarray]:
-        """Return touches, states and gaps (elements, …) of contacts from which a resumed run continues."""
-        if self._contacts is None:
-            return {}
-        found = self._contacts.copy()
-        if self.tree.integration.method == "dop853":
-            found[:] = self.arrays.answers[:, TOUCHES:]
-            found[:, END - TOUCHES :] = found[:, AT_START - TOUCHES : END - TOUCHES]
-        return {"contacts": found}
+    @property
+    def _by_steps(self) -> bool:
+        """Return whether a stopped run continues from its last step, not from the last breakpoint."""
+        return self.tree.integration.method == "dop853"
 
     @property
     def stopped_at(self) -> tuple[float, float, float, float, np.ndarray]:
@@ -139,10 +131,10 @@ class TreeAnalysis(TreeSteps):
                 self.state[:] = self.rest
         begin = tree_dop853.BEGIN_STEPS if self.in_body_axes else codes.BEGIN
         code = self.evaluate() if self.resumed else self.call(begin)
-        if self._contacts is not None and code != codes.NO_INERTIA:
+        if self._contacts and code != codes.NO_INERTIA:
             # The first step begins with the contacts of the state, not with those of the probe before it.
             code = self.evaluate()
-            self._contacts = self.arrays.answers[:, TOUCHES:].copy()
+            self._contacts = contacts_in(self.arrays.contacts)
         self.resumed = False
         self.integration.old[:] = self.integration.z
         if code == codes.NO_INERTIA:

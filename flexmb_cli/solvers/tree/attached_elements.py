@@ -7,10 +7,10 @@ from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...kernels.laws import COORDINATE, NORMAL
 from ...model.arrays.tree_elements import IN_LINE, OF_BUSHING
-from ...model.laws import BUSHING, parts_in_arrays
+from ...model.laws import BUSHING, CONTACT, parts_in_arrays
 from ...model.tree import Tree
 from ..constrained.elements_at_start import notes_of_pressed_elements, refuse_undirected_lines
-from ..constrained.failures import bushing_failure, jam_failure
+from ..constrained.failures import bushing_failure, crowd_failure, jam_failure
 from .state import TreeState
 
 
@@ -51,4 +51,7 @@ def lost_force(tree: Tree, answers: np.ndarray, t: float) -> AnalysisError | Non
     turned = np.flatnonzero(np.isnan(answers[bushings, COORDINATE]))
     if turned.size:
         return bushing_failure(int(turned[0]) // OF_BUSHING, t)
+    crowded = [k for item, k in parts_in_arrays(tree.elements.forces) if item.law is CONTACT]
+    if np.isnan(answers[crowded, COORDINATE]).any():
+        return crowd_failure(t)
     return jam_failure(t) if np.isnan(answers[:, NORMAL]).any() else None

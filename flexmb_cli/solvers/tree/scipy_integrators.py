@@ -15,7 +15,6 @@ from ...errors import AnalysisError, Fault
 from ...kernels.integrators import clock as codes
 from ...kernels.integrators import sdirk4
 from ...kernels.tree.report import Report
-from ...model.arrays.tree_elements import BETWEEN
 from .breakpoints import why_no_step
 from .rows import TreeRows
 
@@ -111,10 +110,8 @@ def implicit_rows(analysis: "TreeSteps") -> Iterator[TreeRows]:
     """
     clock, n = analysis.clock[0], len(analysis.coordinates)
     arrays = analysis.arrays
-    contacts = int(np.count_nonzero(arrays.elements["measure"] == BETWEEN))
-    integration = sdirk4.implicit_work(
-        analysis.clock, analysis.state, n, arrays.closures, len(arrays.answers) + 2 * contacts
-    )
+    rows = len(arrays.answers) + 3 * len(arrays.contacts.touches)
+    integration = sdirk4.implicit_work(analysis.clock, analysis.state, n, arrays.closures, rows)
     integration.before[:] = analysis.integration.slopes[0]
     budget = 1 + IMPLICIT_CALL_WORK // (1 + n * n)
 

@@ -189,6 +189,7 @@ def test_every_dynamic_deck_stands_in_the_readme():
             "IN-ANDREWS",
             "IN-ARM",
             "IN-BALL",
+            "IN-BREAK",
             "IN-CAM",
             "IN-ELEMENTS",
             "IN-LINK",

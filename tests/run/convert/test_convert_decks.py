@@ -57,6 +57,8 @@ REFUSED = {
     ("young/dynamics/IN-BALL.dat", "dafms"): "contacts do not convert",
     ("young/dynamics/IN-RAIL.dat", "vsdf"): "points on curves are not converted",
     ("young/dynamics/IN-RAIL.dat", "dafms"): "points on curves are not converted",
+    ("young/dynamics/IN-BREAK.dat", "vsdf"): "contacts do not convert",
+    ("young/dynamics/IN-BREAK.dat", "dafms"): "contacts do not convert",
     ("young/dynamics/IN-BRICARD.dat", "dafms"): "closes a loop",
     ("young/dynamics/IN-RSSR-MASS.dat", "vsdf"): "simplified constraint 1: a held Euler parameter",
     ("young/dynamics/IN-RSSR-MASS.dat", "dafms"): "simplified constraint 1: a held Euler parameter",

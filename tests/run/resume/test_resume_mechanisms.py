@@ -37,6 +37,9 @@ def links(method):
     return changed(("1.0      0.01\n", f"1.0      0.01\nINTG\n {method}\n"))
 
 
+FLOOR = """ELEMENTS
+  CONTACT floor plane-point from=0(0,-0.3,0) normal=(0,1,0) to=2(1,0,0) stiffness=1e4 damping=0.2 friction=0.2
+"""
 PASSES = (DECKS / "young/IN4-BAR.dat").read_text(encoding="utf-8")
 TEXTS = {
     "IN-KINEMATIC.dat": PASSES,
@@ -45,6 +48,10 @@ TEXTS = {
     "IN-GALF.dat": pendulum("GALF 0 0.8\n"),
     "IN-FIXED.dat": pendulum("GALF 0.007 0.8\n"),
     "IN-RAD5.dat": pendulum("RAD5\n"),
+    "IN-CONTACT-DOP853.dat": pendulum(FLOOR),
+    "IN-CONTACT-RAD5.dat": pendulum(f"RAD5\n{FLOOR}"),
+    "IN-CONTACT-GALF.dat": pendulum(f"GALF 0.002 0.9\n{FLOOR}"),
+    "IN-BREAK.dat": (DECKS / "young/dynamics/IN-BREAK.dat").read_text(encoding="utf-8"),
     "rk45.vsdf": links("RK45    1.0E-8"),
     "rad5.vsdf": links("RAD5    1.0E-6"),
     "galf.vsdf": RIGID,
@@ -67,7 +74,7 @@ def files(folder):
 
 
 # Interpreted kernels take minutes for steps that forward runs choose.
-QUICK = ("IN-KINEMATIC.dat", "IN-INVERSE.dat", "IN-DOP853.dat")
+QUICK = ("IN-KINEMATIC.dat", "IN-INVERSE.dat", "IN-DOP853.dat", "IN-CONTACT-RAD5.dat", "IN-BREAK.dat")
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import pytest
 
 from flexmb_cli.dialects.elements_block.words import OF_FIRST, OF_SECOND
 from flexmb_cli.kernels import contact as kernel
+from flexmb_cli.kernels import contact_shapes
 from flexmb_cli.model.arrays import contacts as arrays
 from flexmb_cli.model.laws import CONTACT, PAIRS
 from tests.dialects.dafms.test_dafms_elements import rows_of as dafms_rows
@@ -74,8 +75,9 @@ def on_plane(law, radius=0.05, normal="(0,0,1)"):
 
 def test_codes_are_those_of_the_kernels():
     assert CONTACT.code == kernel.CONTACT
-    names = ("PLANE_BALL", "PLANE_RIM", "CORES", "BOX_BALL", "CYLINDER_BALL", "CONTACT_COLUMNS")
-    assert [getattr(arrays, name) for name in names] == [getattr(kernel, name) for name in names]
+    assert arrays.CONTACT_COLUMNS == kernel.CONTACT_COLUMNS
+    names = ("PLANE_BALL", "PLANE_RIM", "CORES", "BOX_BALL", "CYLINDER_BALL")
+    assert [getattr(arrays, name) for name in names] == [getattr(contact_shapes, name) for name in names]
     assert {tuple(pair.split("-")) for pair in PAIRS} <= {(a, b) for a in OF_FIRST for b in OF_SECOND}
 
 
@@ -122,26 +124,41 @@ def test_draw_shot_slides_returns_and_rolls():
     shot = ball((0.0, 0.0, radius - depth), (1.0, 0.0, 0.0), (0.0, -120.0, 0.0), m=0.17, radius=radius,
                 tolerance=1e-7)  # fmt: skip
     rows = young(
-        shot, 1, 0.1, on_plane("stiffness=1e6 damping=0.05 friction=0.2 creep=1e-3", radius), IMPLICIT
+        shot, 2, 0.005, on_plane("stiffness=1e6 damping=0.05 friction=0.2 creep=1e-3", radius), IMPLICIT
     )
-    places = {1: 0.09019, 2: 0.16076, 4: 0.24304, 6: 0.24684, 10: 0.142348207785}
-    speeds = {1: 0.8038, 2: 0.6076, 4: 0.2152, 6: -0.1772, 10: -0.266285714286}
-    spins = {1: -102.84965035, 2: -85.6993006993, 4: -51.3986013986, 6: -17.0979020979, 10: -9.31068931069}
+    places = {20: 0.09019, 40: 0.16076, 80: 0.24304, 120: 0.24684, 200: 0.142348207785, 400: -0.123937506501}
+    speeds = {20: 0.8038, 40: 0.6076, 80: 0.2152, 120: -0.1772, 200: -0.266285714286, 400: -0.266285714286}
+    spins = {20: -102.84965035, 40: -85.6993006993, 80: -51.3986013986, 120: -17.0979020979}
+    spins |= {200: -9.31068931069, 400: -9.31068931069}
     assert {k: rows.position[k, 1, 0] for k in places} == pytest.approx(places, abs=4e-4)
     assert {k: rows.velocity[k, 1, 0] for k in speeds} == pytest.approx(speeds, abs=5e-4)
     assert {k: rows.angular_velocity[k, 1, 1] for k in spins} == pytest.approx(spins, abs=0.05)
+    assert rows.velocity[-1, 1, 0] == pytest.approx(-0.266285714286, abs=3e-4)
+    slip = rows.velocity[:, 1, 0] - radius * rows.angular_velocity[:, 1, 1]
+    rolls = rows.time[np.argmax(slip < 10.0 * 1e-3)]
+    assert rolls == pytest.approx(0.645405562837, abs=0.005 + 0.005)  # rows are 5 ms apart
     assert rows.total - rows.total[0] == pytest.approx(np.zeros(len(rows.time)), abs=1e-5)
 
 
 @pytest.mark.parametrize(
-    ("slope", "place", "speed", "spin"),
+    ("slope", "places", "speeds", "spins"),
     [
-        (20.0, 1.11840586868, 2.23681173735, 11.1840586867),
-        (50.0, 2.81158602585, 5.62317205169, 18.9172393531),
+        (
+            20.0,
+            (0.279601467169, 1.11840586868, 4.4736234747),
+            (1.11840586868, 2.23681173735, 4.4736234747),
+            (5.59202934337, 11.1840586867, 22.3681173735),
+        ),
+        (
+            50.0,
+            (0.702896506461, 2.81158602585, 11.2463441034),
+            (2.81158602585, 5.62317205169, 11.2463441034),
+            (9.45861967654, 18.9172393531, 37.8344787062),
+        ),
     ],
 )
-def test_cylinder_on_a_slope_rolls_or_slips(slope, place, speed, spin):
-    """`reference/motion`, friction-rolling-cylinder, at t = 1: a sphere with the cylinder's inertia."""
+def test_cylinder_on_a_slope_rolls_or_slips(slope, places, speeds, spins):
+    """`reference/motion`, friction-rolling-cylinder, at 0.5, 1 and 2 s: a sphere with the inertia."""
     a, m, radius = math.radians(slope), 3.0, 0.2
     depth = m * 9.81 * math.cos(a) / 1e6
     g = (9.81 * math.sin(a), 0.0, -9.81 * math.cos(a))
@@ -149,10 +166,11 @@ def test_cylinder_on_a_slope_rolls_or_slips(slope, place, speed, spin):
         (0.0, 0.0, radius - depth), (0.0, 0.0, 0.0), g=g, m=m, J=m * radius**2 / 2.0, tolerance=1e-7
     )
     law = "stiffness=1e6 damping=0.1 friction=0.3 creep=1e-3"
-    rows = young(roller, 1, 0.5, on_plane(law, radius), IMPLICIT)
-    assert rows.position[-1, 1, 0] == pytest.approx(place, abs=0.002)
-    assert rows.velocity[-1, 1, 0] == pytest.approx(speed, abs=0.002)
-    assert rows.angular_velocity[-1, 1, 1] == pytest.approx(spin, abs=0.01)
+    rows = young(roller, 2, 0.5, on_plane(law, radius), IMPLICIT)
+    at = [1, 2, 4]
+    assert rows.position[at, 1, 0] == pytest.approx(np.array(places), abs=0.002)
+    assert rows.velocity[at, 1, 0] == pytest.approx(np.array(speeds), abs=0.002)
+    assert rows.angular_velocity[at, 1, 1] == pytest.approx(np.array(spins), abs=0.01)
 
 
 def test_a_ball_bounces_in_flights_of_the_closed_form():
