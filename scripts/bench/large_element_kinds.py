@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from large_limits import (
+from large_card_kinds import (
     DAFMS_BODIES,
     DAFMS_ELEMENTS,
     DAFMS_NUMBERS,

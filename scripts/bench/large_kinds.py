@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from large_element_kinds import element_kinds
-from large_limits import DAFMS_NUMBERS, ELEMENTS, VSDF_CARDS, YOUNG_LOADS
+from large_card_kinds import DAFMS_NUMBERS, ELEMENTS, VSDF_CARDS, YOUNG_LOADS
 
 DECKS = Path(__file__).parents[2] / "decks"
 
