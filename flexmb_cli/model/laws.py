@@ -154,11 +154,19 @@ class Touch(NamedTuple):
     more_i: tuple[tuple[int, Any], ...] = ()  # further bodies with the first shape, and points on them
     more_j: tuple[tuple[int, Any], ...] = ()  # the same of the second
     mutual: bool = False  # both are the same shapes, each of which may touch each
+    corners: Any = ()  # (n, 3) of the convex hull of a mesh at the second point, axes of its body, m
 
     @property
     def parts(self) -> int:
         """Return how many points of the second shape may touch the first."""
+        if self.second == "mesh":
+            return len(self.corners)
         return PARTS_ON_PLANES.get(self.second, 1) if self.first == "plane" else 1
+
+    @property
+    def names(self) -> int:
+        """Return how many names it has in results: one for each point that may touch, or one for all."""
+        return 1 if self.more_i or self.more_j or self.second == "mesh" else self.parts
 
     @property
     def ends_i(self) -> tuple[tuple[int, Any], ...]:
@@ -199,6 +207,7 @@ PAIRS = (
     "plane-capsule",
     "plane-cylinder",
     "plane-box",
+    "plane-mesh",
     "sphere-sphere",
     "capsule-sphere",
     "capsule-capsule",
@@ -413,8 +422,8 @@ class Element:
         """Return its names in results, and the unit of each coordinate, "m" or "rad"."""
         if isinstance(self.measure, Frames):
             return [(f"{self.name} {part}", unit) for part, unit in PARTS_OF_FRAMES]
-        if isinstance(self.measure, Touch) and self.measure.parts > 1 and not self.measure.more_j:
-            return [(f"{self.name} {k}", LENGTH) for k in range(1, self.measure.parts + 1)]
+        if isinstance(self.measure, Touch) and self.measure.names > 1:
+            return [(f"{self.name} {k}", LENGTH) for k in range(1, self.measure.names + 1)]
         return [(self.name, TURN if self.turning else LENGTH)]
 
     def since(self, start: float) -> "Element":

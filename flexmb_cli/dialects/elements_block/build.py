@@ -37,6 +37,7 @@ from .measures import Measures
 from .reader import usage
 from .words import BY_WORD, key_of
 
+_MANY = ("from.last", "from.last_node", "to.last", "to.last_node")  # keys of ends that are several
 _OF_CAMS = ("from", "to", "function", "stiffness", "damping", "lower", "upper")  # keys of COUPLING
 Makers = Mapping[str, Callable[["BlockBuilder", ElementLine], Any]]
 _ONE_OF: dict[str, Callable[..., Any]] = {  # what there may be one of, and by what it is distinguished
@@ -149,8 +150,8 @@ class BlockBuilder:
         if Push in law.measures:
             return self._push(line, law)
         if Touch in law.measures:
-            return touch_of(line, self.measures)
-        if many := next((f"{key}.last" for key in ("from", "to") if f"{key}.last" in line), None):
+            return touch_of(line, self.measures, self.functions.folder)
+        if many := next((key for key in _MANY if key in line), None):
             message = "takes one body at each end; only contacts take several, as in 2-9(0,0,0)"
             self.findings.error(line.subject, message, line.place_of(many), id="ELEMENTS-140")
             return None

@@ -2,20 +2,32 @@
 
 import math
 from dataclasses import replace
+from itertools import product
+from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from ...fe.formats.matrix_file import FEFileFault
+from ...fe.formats.stl import read_stl
 from ...model.laws import Touch
 from .line import ElementLine
 from .measures import Measures
 from .words import OF_FIRST, OF_SECOND
 
 MOST_SHAPES = 20_000  # at one end
+MOST_CORNERS = 2_000  # of the convex hull of a mesh
 _OF_END = ("body", "last", "node", "x", "y", "z", "radius", "axis")
-_KEYS = ("normal", *(f"{what}_{end}" for end in ("from", "to") for what in ("radius", "axis", "size")))
+_KEYS = (
+    "normal",
+    "file_to",
+    "unit_to",
+    *(f"{what}_{end}" for end in ("from", "to") for what in ("radius", "axis", "size")),
+)
 
 
-def touch_of(line: ElementLine, measures: Measures) -> Touch | None:
-    """Return the shapes of a contact; None where there is a fault."""
+def touch_of(line: ElementLine, measures: Measures, folder: Path) -> Touch | None:
+    """Return the shapes of a contact, meshes from files in `folder`; None where there is a fault."""
     first, second = line.kind.split("-")
     wanted = (*OF_FIRST[first], *OF_SECOND[second])
     given = [key for key in _KEYS if key in line or f"{key}.x" in line]
@@ -31,7 +43,10 @@ def touch_of(line: ElementLine, measures: Measures) -> Touch | None:
     _check_law(line, measures)
     if _errors(measures) > before:
         return None
-    shapes = {key: line[key] if key.startswith("radius") else line.vector(key) for key in wanted}
+    shapes: dict[str, Any] = {}
+    for key in wanted:
+        shapes[key] = line.vector(key) if f"{key}.x" in line else line[key]
+    name = shapes.pop("file_to", None)
     for key, value in shapes.items():
         _check_size(line, measures, key, value)
     if _errors(measures) > before:
@@ -39,10 +54,12 @@ def touch_of(line: ElementLine, measures: Measures) -> Touch | None:
     fields: dict[str, Any] = {
         key.replace("from", "i").replace("to", "j"): value for key, value in shapes.items()
     }
+    if unit := fields.pop("unit_j", None):
+        fields["corners"] = _corners(line, measures, folder / str(name).replace("\\", "/"), unit)
     if normal := fields.pop("normal", None):
         fields["axis_i"] = tuple(x / math.hypot(*normal) for x in normal)
     ends = _ends(line, measures)
-    if ends is None:
+    if ends is None or _errors(measures) > before:
         return None
     (i, P_i), *more_i = ends["from"]
     (j, P_j), *more_j = ends["to"]
@@ -53,6 +70,27 @@ def touch_of(line: ElementLine, measures: Measures) -> Touch | None:
     )
 
 
+def _corners(line: ElementLine, measures: Measures, file: Path, unit: float) -> Any:
+    """Return the corners (n, 3) of the convex hull of a mesh, m; a fault if there are none, or too many."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        vertices, _ = read_stl(file)
+        corners = unit * vertices[np.sort(ConvexHull(vertices).vertices)]
+    except FEFileFault as fault:
+        return measures.error(line, line.at("file_to"), str(fault), id=fault.id)
+    except QhullError:
+        message = f"the mesh of {file.name} is flat; a mesh that touches has a volume"
+        return measures.error(line, line.at("file_to"), message, id="ELEMENTS-142")
+    if len(corners) > MOST_CORNERS:
+        message = (
+            f"the convex hull of {file.name} has {len(corners)} corners, {MOST_CORNERS} at most; give a "
+            "coarser mesh, or a sphere or capsule for what is round"
+        )
+        return measures.error(line, line.at("file_to"), message, id="ELEMENTS-143")
+    return corners
+
+
 def _texts(line: ElementLine, end: str, key: str) -> list[Any]:
     """Return the values of an end, or of a key of its shape."""
     names = {f"{end}.{key}", f"{key}_{end}", *(f"{key}_{end}.{axis}" for axis in "xyz")}
@@ -61,21 +99,21 @@ def _texts(line: ElementLine, end: str, key: str) -> list[Any]:
 
 def _ends(line: ElementLine, measures: Measures) -> dict[str, list[tuple[int, Any]]] | None:
     """Return the bodies of each end, and points on them; None where there is a fault."""
-    bodies = {end: _bodies(line, measures, end) for end in ("from", "to")}
+    bodies = {end: _range(line, measures, end, "body", "last") for end in ("from", "to")}
     found: dict[str, list[tuple[int, Any]]] = {"from": [], "to": []}
     for side, (end, other) in enumerate((("from", "to"), ("to", "from"))):
-        for body in bodies[end]:
+        for body, node in product(bodies[end], _range(line, measures, end, "node", "last_node")):
             # The other end stands for all others: any body but this one.
             against = next((k for k in bodies[other] if k != body), body)
-            ends = measures.ends(_with_bodies(line, {end: body, other: against}))
+            values = {f"{end}.body": body, f"{other}.body": against, f"{end}.node": node}
+            ends = measures.ends(_with_values(line, values))
             if ends is None:
                 return None
             found[end].append((ends[side], ends[side + 2]))
     return found if found["from"] and found["to"] else None
 
 
-def _with_bodies(line: ElementLine, bodies: dict[str, int]) -> ElementLine:
-    values = {f"{end}.body": body for end, body in bodies.items()}
+def _with_values(line: ElementLine, values: dict[str, int]) -> ElementLine:
     changed = [
         replace(one, value=values[one.key]) if one.key in values else one
         for one in line.numbers
@@ -84,17 +122,18 @@ def _with_bodies(line: ElementLine, bodies: dict[str, int]) -> ElementLine:
     return line.with_numbers(changed)
 
 
-def _bodies(line: ElementLine, measures: Measures, end: str) -> range:
-    """Return the numbers of the bodies of an end."""
-    first = line[f"{end}.body"]
-    last = next((one.value for one in line.numbers if one.key == f"{end}.last"), first)
-    if not first <= last < first + MOST_SHAPES or (last > first == 0):
-        message = (
-            f"{end} names bodies from 1 on, the smaller first, {MOST_SHAPES} at most; read {first}-{last}"
-        )
-        measures.error(line, line.at(f"{end}.last"), message, id="ELEMENTS-141")
+def _range(line: ElementLine, measures: Measures, end: str, name: str, last: str) -> range:
+    """Return the numbers of the bodies, or of the nodes, of an end; (0) where it has none."""
+    numbers = {one.key: one for one in line.numbers}
+    if f"{end}.{name}" not in numbers:
+        return range(1)
+    first = int(numbers[f"{end}.{name}"].value)
+    until = int(numbers.get(f"{end}.{last}", numbers[f"{end}.{name}"]).value)
+    if not first <= until < first + MOST_SHAPES or (until > first == 0):
+        message = f"{end} counts from 1 on, the smaller first, {MOST_SHAPES} at most; read {first}-{until}"
+        measures.error(line, numbers[f"{end}.{last}"], message, id="ELEMENTS-141")
         return range(0)
-    return range(first, last + 1)
+    return range(first, until + 1)
 
 
 def _errors(measures: Measures) -> int:

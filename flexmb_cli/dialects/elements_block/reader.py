@@ -36,7 +36,7 @@ MOST_NUMBERS_OF_BLOCKS = 200_000  # of the blocks of a deck; longer tables stand
 NAME = re.compile(r"[A-Za-z0-9_-]+")
 COORDINATES = re.compile(r"([0-9]{1,9})\.(angle|stroke|[rt][1-3])", re.IGNORECASE)
 _END_AT_POINT = re.compile(r"([0-9]{1,9})(?:-([0-9]{1,9}))?\(([^()]*)\)")
-_END_AT_NODE = re.compile(r"([0-9]{1,9})(?:-([0-9]{1,9}))?:([0-9]{1,9})")
+_END_AT_NODE = re.compile(r"([0-9]{1,9})(?:-([0-9]{1,9}))?:([0-9]{1,9})(?:-([0-9]{1,9}))?")
 _MEANINGS = {
     "mean": ("mean value", ""),
     "amplitude": ("amplitude", ""),
@@ -340,6 +340,10 @@ class _Line:
                 self._part(piece, key, "last", found[2], offset + found.start(2), ("last body of many", ""))
         if node:
             self._part(piece, key, "node", node[3], offset + node.start(3), ("number of the node", ""))
+            if node[4]:
+                self._part(
+                    piece, key, "last_node", node[4], offset + node.start(4), ("last node of many", "")
+                )
         elif point:
             self._take_components(
                 piece, key, point[3], offset + point.start(3), ("its point in body axes", "m")
@@ -368,7 +372,7 @@ class _Line:
             self._part(piece, key, axis, part[0], offset + part.start(), (f"{label[0]}, {axis}", label[1]))
 
     def _part(self, piece: Word, key: Key, name: str, text: str, offset: int, label: tuple[str, str]) -> None:
-        kind = WHOLE if name in ("body", "last", "node") else NUMBER
+        kind = WHOLE if name in ("body", "last", "node", "last_node") else NUMBER
         self._add(key.name, piece, f"{key.name}.{name}", label, kind, text, offset)
 
     def _check_complete(self) -> None:

@@ -33,6 +33,7 @@ OF_FIRST: dict[str, tuple[str, ...]] = {
 }
 OF_FIRST |= dict.fromkeys(("capsule", "cylinder"), ("axis_from", "radius_from"))
 OF_SECOND: dict[str, tuple[str, ...]] = {"point": (), "sphere": ("radius_to",), "box": ("size_to",)}
+OF_SECOND["mesh"] = ("file_to", "unit_to")
 OF_SECOND |= dict.fromkeys(("capsule", "cylinder"), ("axis_to", "radius_to"))
 # Quantities of lines OUTPUT: meaning, unit, whether they are vectors, keys that they need.
 _POINTS = ("from", "to")
@@ -88,10 +89,12 @@ _DIRECTION = (
     Key("direction", "direction of a positive effort", VECTOR, needed=True),
     Key("axes", "number of the body in whose axes the direction is, that of `to`; 0: ground", WHOLE, 0),
 )
-_OF_MANY = "; 2-9(x,y,z) or 2-9:node are shapes of bodies 2 to 9"
+_OF_MANY = "; 2-9(x,y,z) or 2-9:node are shapes of bodies 2 to 9, 2:1-5 of nodes 1 to 5"
 _SETS = tuple(key._replace(meaning=key.meaning + _OF_MANY) for key in _ENDS)
 _SHAPES = (
     Key("normal", "outward normal of the plane through `from`, axes of its body", VECTOR),
+    Key("file_to", "STL file of the mesh at `to`, in the axes of its body; its convex hull touches", FILE),
+    Key("unit_to", "metres in a unit of the file", units=("m", "m")),
     *(
         Key(f"{what}_{end}", meaning.format(end), kind, units=("m", "m"))
         for end in ("from", "to")

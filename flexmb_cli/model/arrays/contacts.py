@@ -227,6 +227,8 @@ def touch_records(touch: Touch) -> np.ndarray:
         records["axis_j"] = touch.axis_j
     if touch.second == "box":
         records["offset_j"] = [np.array(s) * touch.size_j / 2.0 for s in product((-1.0, 1.0), repeat=3)]
+    elif touch.second == "mesh":
+        records["offset_j"] = touch.corners
     elif touch.parts == 2:
         records["offset_j"][1] = touch.axis_j
     return records

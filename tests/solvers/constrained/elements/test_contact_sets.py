@@ -1,6 +1,7 @@
 """Contacts of many shapes in one line, against a line for each pair and closed forms."""
 
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,10 @@ from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import Body, Hinge, Tree
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from tests.dialects.vsdf.test_elements import rows_of as vsdf_rows
+from tests.solvers.constrained.element_decks import FREE
+from tests.solvers.constrained.element_decks import rows_of as young_rows
+
+DECKS = Path(__file__).parents[4] / "decks/vsdf"
 
 RADIUS, MASS = 0.05, 0.5
 LAW = "stiffness=1e4 damping=0.1 friction=0.3 creep=1e-2"
@@ -76,6 +81,53 @@ def test_shapes_in_one_line_move_as_pairs_in_lines_of_their_own(method):
     assert many.element_coordinate[:, 0] == pytest.approx(
         single.element_coordinate[:, :8].min(axis=1), abs=error
     )
+
+
+CUBE = np.array([(x, y, z) for z in (-0.05, 0.05) for y in (-0.05, 0.05) for x in (-0.05, 0.05)])
+FACES = ((0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7), (0, 4, 2),
+         (2, 4, 6), (1, 3, 5), (3, 7, 5))  # fmt: skip
+
+
+def test_a_mesh_falls_on_a_plane_as_the_box_that_it_is(tmp_path):
+    """The convex hull of a cube in an STL file, in mm, has the corners of a box."""
+    facets = "".join(
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join(f"vertex {' '.join(map(str, 1000.0 * CUBE[k]))}\n" for k in face)
+        + "endloop\nendfacet\n"
+        for face in FACES
+    )
+    (tmp_path / "cube.stl").write_text(f"solid cube\n{facets}endsolid cube\n")
+    deck = FREE.replace("0 0 0 1 0 0 0\n1 0", "0 0 0.09 0.9 0.1 0.3 0.3\n1 0", 1)
+    rows = {
+        kind: young_rows(
+            deck,
+            "0 0.3 0.05",
+            f"MASS 2 1 0 0 0 0.002 0.002 0.002\nGRAVITY 0 0 -9.81\nELEMENTS\n  CONTACT floor plane-{kind}\n"
+            f"    from=0(0,0,0) normal=(0,0,1) to=2(0,0,0) {size} stiffness=1e4 damping=0.2 friction=0.3",
+        )
+        for kind, size in (
+            ("box", "size_to=(0.1,0.1,0.1)"),
+            ("mesh", f"file_to={tmp_path / 'cube.stl'} unit_to=0.001"),
+        )
+    }
+    box, mesh = rows["box"], rows["mesh"]
+    assert mesh.position == pytest.approx(box.position, abs=1e-7)
+    assert mesh.contact_force[:, 0] == pytest.approx(box.contact_force.sum(axis=1), abs=1e-3)
+    assert mesh.contact_touches[-1, 0] == box.contact_touches[-1].sum() > 2
+    assert mesh.element_coordinate[:, 0] == pytest.approx(box.element_coordinate.min(axis=1), abs=1e-7)
+
+
+def test_nodes_of_a_flexible_body_touch_in_one_line_as_in_lines_of_their_own():
+    """A flexible pendulum falls on a plane 1 mm below it."""
+    deck = (DECKS / "pendulum_pinned.vsdf").read_text(encoding="utf-8")
+    deck = deck[: deck.index("TIME")].replace("fe/", f"{DECKS}/fe/")
+    law = "normal=(0,0,1) stiffness=100 damping=0.1"
+    one = f"  CONTACT floor plane-point from=0(0,0,-0.001) to=1:6-9 {law}\n"
+    each = "".join(f"  CONTACT f{k} plane-point from=0(0,0,-0.001) to=1:{k} {law}\n" for k in range(6, 10))
+    many, single = (vsdf_rows(deck, 0.05, 0.005, f"ELEMENTS\n{lines}", "RAD5") for lines in (one, each))
+    assert single.contact_force[..., 2].max() > 0.01
+    assert many.contact_force[:, 0] == pytest.approx(single.contact_force.sum(axis=1), abs=1e-5)
+    assert many.element_energy[:, 0] == pytest.approx(single.element_energy.sum(axis=1), abs=1e-8)
 
 
 def balls(places, hinges, law, end):
