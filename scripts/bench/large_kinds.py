@@ -3,8 +3,8 @@
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from large_element_kinds import element_kinds
 from large_card_kinds import DAFMS_NUMBERS, ELEMENTS, VSDF_CARDS, YOUNG_LOADS
+from large_element_kinds import element_kinds
 
 DECKS = Path(__file__).parents[2] / "decks"
 

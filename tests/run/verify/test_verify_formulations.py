@@ -39,6 +39,60 @@ def verified(path, tolerance=1e-9, **options):
     return verify_deck(str(path), RunOptions(**options), tolerance)
 
 
+# A ball of 0.5 kg, thrown against a plane with friction.
+BALL = """    1    3
+DFMB BALL
+    1    3    1    1    1
+    1    3    1    1    1
+    0
+    0
+   20
+   0.02000
+CONN
+    0
+MASS
+    1   0.50000
+INER
+    1 5.000E-04 5.000E-04 5.000E-04
+EULT
+    1       0.0       0.0       0.0       1.0
+EULL
+    1       0.0       0.0       0.0       1.0
+Y(L)
+    0.0000    0.0000    0.0000    0.3000    0.0000
+   -1.0000    0.0000    0.0000    0.0000    0.0000
+    0.0000    0.2000
+GRAV
+    0    0.0000    0.0000   -9.8100
+TOLR
+    1.000E-08    1.000E-09
+ELEMENTS
+  CONTACT floor plane-sphere from=0(0,0,0) to=1(0,0,0) normal=(0,0,1) radius_to=0.05
+    stiffness=1e4 damping=0.3 friction=0.3
+END
+STAR
+STOP
+"""
+
+
+def test_a_contact_of_a_tree_agrees_in_both_formulations(tmp_path):
+    """Kane's equations in hinge coordinates, and absolute coordinates: forces and work of the contact too."""
+    deck = tmp_path / "BALL.DAT"
+    deck.write_text(BALL)
+    found = verified(deck)
+    assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-9]
+    scales = {each.name: each.scale for each in found.differences}
+    assert scales["element effort"] > 10.0 and scales["element work"] > 0.1
+
+
+def test_a_contact_of_a_young_deck_is_named_as_what_the_second_formulation_lacks():
+    found = verified(YOUNG / "dynamics/IN-BALL.dat")
+    assert found.outcome.exit_code == 2
+    assert any(
+        "natural coordinates hold no block ELEMENTS" in fault.message for fault in found.outcome.faults
+    )
+
+
 @pytest.mark.parametrize("name", ["IN2-1-1", "IN5BODY", "dynamics/IN4-BAR-MASS"])
 def test_driven_mechanisms_agree_in_natural_coordinates(name):
     found = verified(YOUNG / f"{name}.dat", 1e-11)
