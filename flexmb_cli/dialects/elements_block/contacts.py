@@ -6,10 +6,8 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ...fe.formats.matrix_file import FEFileFault
-from ...fe.formats.stl import read_stl
+from ...fe.formats.stl import hull_corners
 from ...model.laws import Touch
 from .line import ElementLine
 from .measures import Measures
@@ -72,14 +70,11 @@ def touch_of(line: ElementLine, measures: Measures, folder: Path) -> Touch | Non
 
 def _corners(line: ElementLine, measures: Measures, file: Path, unit: float) -> Any:
     """Return the corners (n, 3) of the convex hull of a mesh, m; a fault if there are none, or too many."""
-    from scipy.spatial import ConvexHull, QhullError
-
     try:
-        vertices, _ = read_stl(file)
-        corners = unit * vertices[np.sort(ConvexHull(vertices).vertices)]
+        corners = unit * hull_corners(file)
     except FEFileFault as fault:
         return measures.error(line, line.at("file_to"), str(fault), id=fault.id)
-    except QhullError:
+    if not len(corners):
         message = f"the mesh of {file.name} is flat; a mesh that touches has a volume"
         return measures.error(line, line.at("file_to"), message, id="ELEMENTS-142")
     if len(corners) > MOST_CORNERS:

@@ -57,6 +57,20 @@ def read_stl(path: Path) -> tuple[np.ndarray, np.ndarray]:
     return found
 
 
+def hull_corners(path: Path) -> np.ndarray:
+    """Return the corners (n, 3) of the convex hull of a file's triangles, in its unit; none if it is flat.
+
+    Raises FEFileFault as `read_stl`.
+    """
+    from scipy.spatial import ConvexHull, QhullError
+
+    vertices, _ = read_stl(path)
+    try:
+        return vertices[np.sort(ConvexHull(vertices).vertices)]
+    except QhullError:
+        return np.zeros((0, 3))
+
+
 def _binary(name: str, raw: bytes, count: int) -> Any:
     _check_count(name, count)
     return np.frombuffer(raw, _RECORD, count, _HEADER_BYTES)["corners"].reshape(-1, 3).astype(float)
