@@ -66,9 +66,10 @@ def hull_corners(path: Path) -> np.ndarray:
 
     vertices, _ = read_stl(path)
     try:
-        return vertices[np.sort(ConvexHull(vertices).vertices)]
+        corners: np.ndarray = vertices[np.sort(ConvexHull(vertices).vertices)]
     except QhullError:
         return np.zeros((0, 3))
+    return corners
 
 
 def _binary(name: str, raw: bytes, count: int) -> Any:
