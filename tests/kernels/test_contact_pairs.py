@@ -21,6 +21,8 @@ def records_of(pair):
     given |= {f"{key}_j": SHAPES[key] for key in KEYS.get(second, ())}
     if first == "plane":
         given["axis_i"] = NORMAL
+    if second == "mesh":
+        given["corners"] = np.random.default_rng(3).normal(size=(5, 3))
     touch = Touch(0, 1, None, None, first, second, **given)
     item = Element("touch", CONTACT, touch, CONTACT.values(stiffness=1e3, friction=0.3, rolling=0.01))
     return fill_contact(np.zeros((), LAW), item)["c"], touch_records(touch)
