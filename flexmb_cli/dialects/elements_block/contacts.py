@@ -6,8 +6,6 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from ...fe.formats.matrix_file import FEFileFault
-from ...fe.formats.stl import hull_corners
 from ...model.laws import Touch
 from .line import ElementLine
 from .measures import Measures
@@ -70,6 +68,9 @@ def touch_of(line: ElementLine, measures: Measures, folder: Path) -> Touch | Non
 
 def _corners(line: ElementLine, measures: Measures, file: Path, unit: float) -> Any:
     """Return the corners (n, 3) of the convex hull of a mesh, m; a fault if there are none, or too many."""
+    from ...fe.formats.matrix_file import FEFileFault  # few decks have meshes
+    from ...fe.formats.stl import hull_corners
+
     try:
         corners = unit * hull_corners(file)
     except FEFileFault as fault:
