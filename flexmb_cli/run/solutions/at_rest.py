@@ -5,7 +5,6 @@ from typing import Any
 
 from ...errors import Fault, ModelError
 from ...model.mechanism import TimeGrid
-from ..mechanism_modes import Wish, kernels_for
 from ..outcome import Run
 
 
@@ -16,7 +15,9 @@ def begin_at_rest(analysis: Any, again: Callable[[], Any], run: Run, speeds: int
     """
     if not run.options.from_equilibrium:
         return
+    # Modes and their models are for runs with this option only.
     from ...solvers.linearisation.equilibrium import rest_of
+    from ..mechanism_modes import Wish, kernels_for
 
     with kernels_for(speeds, Wish(None, True), grid, run.listener):
         analysis.rest = rest_of(again(), analysis.warnings)
