@@ -6,13 +6,17 @@ Every item keeps its readable name and its place in the deck.
 """
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from ..errors import Place
-from .shapes import Shape
-from .vectors import Vector as Vector
+
+if TYPE_CHECKING:  # few decks have any
+    from .shapes import Shape
 
 GROUND = -1  # number of the body that stays at rest, body 0 of the cards
 SINE_OF_PARALLELS = 1e-9  # of the angle between directions that count as parallel
+
+Vector = tuple[float, float, float]  # as in `vectors`, which takes numpy
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from flexmb_cli.deck import many_records
+from flexmb_cli.deck.expansion.includes import is_expandable
 from flexmb_cli.deck.record import DeckText
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.recognise import read_deck
@@ -101,7 +102,13 @@ def test_cards_of_a_large_deck_are_those_of_a_small_one(read, monkeypatch):
 
 
 DECKS = Path(__file__).parents[2] / "decks"
-SUPPLIED = [*sorted(DECKS.glob("young/**/*.dat")), *sorted(DECKS.glob("vsdf/*.vsdf"))]
+# A small deck with variables keeps their names in formulas, a large one has numbers there.
+SUPPLIED = [
+    path
+    for pattern in ("young/**/*.dat", "vsdf/*.vsdf")
+    for path in sorted(DECKS.glob(pattern))
+    if not is_expandable(path.read_text())
+]
 
 
 @pytest.mark.parametrize("path", SUPPLIED, ids=lambda path: path.name)

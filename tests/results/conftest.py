@@ -69,8 +69,11 @@ def mechanism():
     )
 
 
-def turning_rows(time):
-    """Body 1 at rest; body 2, one unit from the origin, turns about y at SPEED; the point is at two units."""
+def turning_rows(time, coordinates=0):
+    """Body 1 at rest; body 2, one unit from the origin, turns about y at SPEED; the point is at two units.
+
+    All `coordinates` of joints are 0.
+    """
     time = np.asarray(time, dtype=float)
     angle, zero, one = SPEED * time, 0 * time, 1 + 0 * time
     radius = stack(np.cos(angle), zero, -np.sin(angle))
@@ -92,8 +95,8 @@ def turning_rows(time):
         point_position=2 * radius[:, None],
         point_velocity=2 * tangent[:, None],
         point_acceleration=-2 * SPEED**2 * radius[:, None],
-        joint_coordinate=np.zeros((len(time), 0)),
-        joint_rate=np.zeros((len(time), 0)),
+        joint_coordinate=np.zeros((len(time), coordinates)),
+        joint_rate=np.zeros((len(time), coordinates)),
         constraint_residual=zero,
         velocity_residual=zero,
         newton_iterations=np.full(len(time), 3),

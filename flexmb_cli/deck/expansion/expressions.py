@@ -14,10 +14,8 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import reduce
-from math import pi
+from math import isfinite, pi
 from typing import Any, NamedTuple
-
-import numpy as np
 
 MOST_CHARACTERS, MOST_NESTED = 4000, 50
 _TOKEN = re.compile(
@@ -31,21 +29,24 @@ CONSTANTS = {"pi": pi}
 class Function(NamedTuple):
     """A function of formulas."""
 
-    of: Callable[..., Any]  # numbers or arrays
+    of: str  # numpy's name
     least: int = 1  # arguments
     most: int = 1  # arguments, 0: any number
 
 
+_SAME_NAME = (
+    "sin", "cos", "tan", "sinh", "cosh", "tanh", "sqrt", "exp", "log", "log10", "abs", "sign",
+    "floor", "ceil",
+)  # fmt: skip
 FUNCTIONS = {
-    **{name: Function(getattr(np, name)) for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "sqrt")},
-    **{name: Function(getattr(np, name)) for name in ("exp", "log", "log10", "abs", "sign", "floor", "ceil")},
-    **{name: Function(getattr(np, f"arc{name[1:]}")) for name in ("asin", "acos", "atan")},
-    "atan2": Function(np.arctan2, 2, 2),
-    "hypot": Function(np.hypot, 2, 2),
-    "min": Function(lambda *values: reduce(np.minimum, values), 2, 0),
-    "max": Function(lambda *values: reduce(np.maximum, values), 2, 0),
+    **{name: Function(name) for name in _SAME_NAME},
+    **{name: Function(f"arc{name[1:]}") for name in ("asin", "acos", "atan")},
+    "atan2": Function("arctan2", 2, 2),
+    "hypot": Function("hypot", 2, 2),
+    "min": Function("minimum", 2, 0),
+    "max": Function("maximum", 2, 0),
 }
-_OPERATORS = {"+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide}
+_OPERATORS = {"+": "add", "-": "subtract", "*": "multiply", "/": "divide"}
 
 
 class WrongFormula(ValueError):
@@ -60,7 +61,7 @@ class WrongFormula(ValueError):
 class Formula:
     """A parsed formula: `parts` in the order of evaluation, as a stack takes them.
 
-    A part is a number, a name, or a function with the number of its arguments.
+    A part is a number, a name, or numpy's name of a function with the number of its arguments.
     """
 
     text: str
@@ -73,14 +74,18 @@ class Formula:
 
     def value(self, value_of: Callable[[str], Any]) -> Any:
         """Return the value, a number or an array; `value_of` gives those of names."""
+        import numpy as np  # decks are read without it
+
         stack: list[Any] = []
         with np.errstate(all="ignore"):
             for part in self.parts:
                 if isinstance(part, str):
                     stack.append(value_of(part))
                 elif isinstance(part, tuple):
-                    apply, count = part
-                    stack[-count:] = [apply(*stack[-count:])]
+                    name, count = part
+                    numbers = [np.asarray(each, float) for each in stack[-count:]]
+                    function = getattr(np, name)
+                    stack[-count:] = [reduce(function, numbers) if count > 1 else function(*numbers)]
                 else:
                     stack.append(part)
         return stack[0]
@@ -141,7 +146,7 @@ class _Parser:
             self.next()
         self._power()
         if negative:
-            self.parts.append((np.negative, 1))
+            self.parts.append(("negative", 1))
 
     def _power(self) -> None:
         self._atom()
@@ -152,7 +157,7 @@ class _Parser:
             self.next()
             self._signed()
             self.nested -= 1
-            self.parts.append((_raised, 2))
+            self.parts.append(("power", 2))
 
     def _atom(self) -> None:
         kind, word, start = self.kind, self.word, self.start
@@ -191,10 +196,6 @@ class _Parser:
         self.next()
 
 
-def _raised(base: Any, exponent: Any) -> Any:
-    return np.power(np.asarray(base, float), exponent)
-
-
 def evaluated(formulas: dict[str, Formula], given: dict[str, float]) -> Iterator[tuple[str, float | str]]:
     """Yield the value of each named formula that names others, in any order, or what is wrong with it.
 
@@ -227,4 +228,4 @@ def _number(one: Formula, values: dict[str, float | str]) -> float | str:
     if wrong := [name for name in one.names if isinstance(values[name], str)]:
         return f"names {wrong[0]}, which has no value"
     value = float(one.value(values.__getitem__))
-    return value if np.isfinite(value) else f"is {value}, which no deck may hold"
+    return value if isfinite(value) else f"is {value}, which no deck may hold"

@@ -168,7 +168,7 @@ def test_slips_are_told_with_place_object_and_remedy():
     faults = reported(deck("ELEMENTS\n  MOTOR motf-1 at=1.r3 effort=7"))
     assert any("motf-1: there is no function 7; the deck has none" in line for line in faults)
     faults = reported(deck(function(1, "no", 1.0)))
-    assert any("FUNCTION name is followed by table, spline, polynomial" in line for line in faults)
+    assert any("FUNCTION name is followed by table, spline, periodic, polynomial" in line for line in faults)
 
 
 def test_a_coupling_of_one_term_is_refused():

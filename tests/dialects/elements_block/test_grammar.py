@@ -103,8 +103,8 @@ USAGE = (
         ("  STOP a at=2.angle lower=-1 upper=1 stiffness=-3",
          "7:48: a: stiffness must not be negative; read -3"),
         ("  FUNCTION f tabel 1 2 3 4",
-         "7:14: f: FUNCTION name is followed by table, spline, polynomial, sine, ramp, step, sum or product; "
-         "read 'tabel'"),
+         "7:14: f: FUNCTION name is followed by table, spline, periodic, polynomial, sine, ramp, step, sum "
+         "or product; read 'tabel'"),
         ("  FUNCTION f table 0 1 0 2",
          "7:24: f: times must rise; 0 follows 0 (for a jump take two times a little apart)"),
         ("  FUNCTION f table 0 1 x 2", "7:24: f: t2 must be a number; read 'x'"),

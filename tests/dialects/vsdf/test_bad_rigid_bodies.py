@@ -9,7 +9,8 @@ RIGID_MODELS = [
         "body number",
         changed(("    2       1.0      0.25", "    3       1.0      0.25")),
         [
-            "4:5: error: body 2: a RIGD body needs a card RIGI with its mass and inertia",
+            "4:5: error: body 2: a RIGD body needs a card RIGI with its mass and inertia, "
+            "or a line MASS of a block",
             "8:5: error: mass of body 3: body number 3 is outside 1..2",
         ],
     ),

@@ -53,8 +53,8 @@ def messages(cards):
         ),
         (
             "  FUNCTION 1 sine 0 1 2\n  FUNCTION 2 product 1 1\n  DRIVE angle-1 at=2.angle rate=2",
-            "9:33: angle-1: flexmb has no integral of a product; give the coordinate itself, in "
-            "place of its rate",
+            "9:33: angle-1: flexmb has no integral of a product or periodic function; give the coordinate "
+            "itself, in place of its rate",
         ),
         ("  FUNCTION 1 sum 2 3", "7:18: 1: function 2 must be given on a line above"),
         (

@@ -193,6 +193,7 @@ def test_every_dynamic_deck_stands_in_the_readme():
             "IN-CAM",
             "IN-ELEMENTS",
             "IN-LINK",
+            "IN-PAIR",
             "IN-RAIL",
         )
         if f"`{stem}`" in text

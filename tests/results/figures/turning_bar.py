@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from flexmb_cli.model.joint_elements import COORDINATES_OF
 from flexmb_cli.results.hdf5.kinematic import kinematic_layout, kinematic_values
 from flexmb_cli.results.hdf5.result_file import ResultFile
 
@@ -12,7 +13,8 @@ def write_bar(path, deck, mechanism, rows, times, status="complete", message="")
     """The result at `path`; bodies, joint and point as the fixtures of `conftest` have them."""
     result = ResultFile(path, deck, kinematic_layout(mechanism))
     if len(times):
-        result.rows(kinematic_values(rows(times)))
+        coordinates = sum(len(COORDINATES_OF[joint.kind]) for joint in mechanism.joints)
+        result.rows(kinematic_values(rows(times, coordinates)))
     result.close(status, message)
     return path
 

@@ -115,7 +115,8 @@ def test_names_do_not_follow_the_wording_of_messages(written, rows, mechanism):
     second = replace(first, kind="screw", name="screw joint 1")
     points = (replace(mechanism.points[0], name="point of interest 1"),)
     wordy = replace(mechanism, joints=(first, second, first), points=points)
-    with h5py.File(written(rows([0.0]), mechanism=wordy)) as file:
+    # A screw has an angle and a stroke.
+    with h5py.File(written(rows([0.0], coordinates=2), mechanism=wordy)) as file:
         assert list(file["joint/name"].asstr()) == ["spherical 1", "screw 1", "spherical 2"]
         assert list(file["point/name"].asstr()) == ["point 1"]
 
