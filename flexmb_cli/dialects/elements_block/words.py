@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 from ...deck.expansion.expressions import FORMULA
 from ...model.laws import FUNCTIONS, LAWS, PAIRS, REQUIRED, VECTOR, At, Joint, Law, Parameter, Push, Touch
-from ...model.shapes import KINDS as SOLIDS
 from .line import MASS, OUTPUT
 
 # What the text behind `key=` is; numbers and vectors as in `model.laws`.
@@ -89,6 +88,8 @@ _DIRECTION = (
     Key("direction", "direction of a positive effort", VECTOR, needed=True),
     Key("axes", "number of the body in whose axes the direction is, that of `to`; 0: ground", WHOLE, 0),
 )
+# The kinds of `model.shapes`, which takes numpy.
+SOLIDS = ("box", "cylinder", "tube", "cone", "sphere")
 _OF_MANY = "; 2-9(x,y,z) or 2-9:node are shapes of bodies 2 to 9, 2:1-5 of nodes 1 to 5"
 _SETS = tuple(key._replace(meaning=key.meaning + _OF_MANY) for key in _ENDS)
 _SHAPES = (

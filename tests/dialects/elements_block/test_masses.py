@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.deck.text import decode
+from flexmb_cli.dialects.elements_block import words
 from flexmb_cli.dialects.recognise import dialect_named, read_deck
 from flexmb_cli.errors import DeckError, ModelError
 from flexmb_cli.fe.solid_masses import (
@@ -18,6 +19,7 @@ from flexmb_cli.fe.solid_masses import (
     primitive_mass,
     surface_fault,
 )
+from flexmb_cli.model import shapes
 from flexmb_cli.model.arrays.dynamic import inertia_matrix
 from flexmb_cli.model.shapes import primitive
 
@@ -206,3 +208,7 @@ def test_wrong_lines_are_faults(line, sentence):
     with pytest.raises(DeckError) as failure:
         model_of(YOUNG.format(mass="", block=f"ELEMENTS\n  {line}\n"))
     assert sentence in "".join(fault.message for fault in failure.value.faults)
+
+
+def test_every_primitive_has_a_mass():
+    assert words.SOLIDS == shapes.KINDS
