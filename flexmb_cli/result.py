@@ -118,20 +118,16 @@ class Result(Mapping[str, np.ndarray]):
             source = Source("", file, whole, time_quantity(file), chosen, energies_change=not names)
             return fitted_figure(panels([source]), title, None)
 
-    def show(self) -> None:
-        """Open the page of `flexmb report` in the browser: motion in 3-D, curves, deck."""
-        import tempfile
-        import webbrowser
+    def show(self, height: int = 640) -> "Page":
+        """Return the page of `flexmb report`, which a notebook shows: motion in 3-D, curves, deck.
 
+        `height` in pixels.
+        """
         from .results.figures.contours import BodyLook
         from .results.figures.report_page import report_page
 
         with self._stored() as file:
-            page = report_page(file, BodyLook())
-        # It outlives the process: the browser reads it when it likes.
-        with tempfile.NamedTemporaryFile("w", encoding="utf-8", suffix=".html", delete=False) as written:
-            written.write(page)
-        webbrowser.open(Path(written.name).as_uri())
+            return Page(report_page(file, BodyLook()), height)
 
     def _repr_html_(self) -> str:
         """Return what a notebook shows: what was run, and the extremes of the curves of `flexmb plot`."""
@@ -237,6 +233,21 @@ class Result(Mapping[str, np.ndarray]):
         with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
             self.save(path := os.path.join(folder, "result.h5"))
             yield path
+
+
+@dataclass(frozen=True)
+class Page:
+    """A page of HTML in a frame of a notebook, `height` pixels high."""
+
+    html: str
+    height: int
+
+    def __repr__(self) -> str:
+        return f"Page of {len(self.html) / 1e3:.0f} kB"
+
+    def _repr_html_(self) -> str:
+        frame = f'width="100%" height="{self.height}" style="border: 0"'
+        return f'<iframe srcdoc="{escape(self.html)}" {frame}></iframe>'
 
 
 def _stored_deck(text: str, name: str, dialect: str) -> Deck:

@@ -1,6 +1,8 @@
 """The Python interface: motions in memory are those of closed forms and of the files of `flexmb run`."""
 
 import gc
+import html
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -112,13 +114,13 @@ def test_several_numbers_need_a_table():
 
 
 def test_a_table_has_the_numbers_of_a_dataset_or_all():
-    """Four bodies of seven coordinates, two derivatives, two angular vectors; a point; three audits."""
+    """Four bodies of seven coordinates, two derivatives, two angular vectors; a point; two angles; three audits."""
     pytest.importorskip("pandas")
     result = solve(FOUR_BAR)
     table = result.to_pandas("body/velocity")
     assert list(table.columns)[:2] == ["body.1.velocity.x", "body.1.velocity.y"]
     np.testing.assert_array_equal(table.to_numpy(), result["body/velocity"].reshape(26, 12))
-    assert result.to_pandas().shape == (26, 4 * (3 * 7 + 2 * 3) + 3 * 3 + 3)
+    assert result.to_pandas().shape == (26, 4 * (3 * 7 + 2 * 3) + 3 * 3 + 2 * 2 + 3)
 
 
 def test_a_result_is_a_mapping():
@@ -363,7 +365,7 @@ def test_what_is_no_result_is_refused_by_open(tmp_path):
         Result.open(tmp_path / "a.h5")
 
 
-def test_notebooks_show_extremes_curves_and_the_page(monkeypatch):
+def test_notebooks_show_extremes_curves_and_the_page():
     result = solve(DECKS / "young/IN4-BAR.dat")
     shown = result._repr_html_()
     least = f"{result['point.1.z'].min():.6g}"
@@ -373,9 +375,9 @@ def test_notebooks_show_extremes_curves_and_the_page(monkeypatch):
     assert np.array_equal(axes.lines[0].get_ydata(), result["point.1.z"])
     with pytest.raises(FlexmbError, match=r"point\.9\.q"):
         result.plot("point.9.q")
-    opened = []
-    monkeypatch.setattr("webbrowser.open", opened.append)
-    result.show()
-    page = Path(opened[0].removeprefix("file://"))
-    assert page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
-    page.unlink()
+    page = result.show(height=500)
+    assert page.html.startswith("<!DOCTYPE html>") and "kB" in repr(page)
+    (source,) = re.fullmatch(
+        r'<iframe srcdoc="([^"]*)" [^<>]*height="500"[^<>]*></iframe>', page._repr_html_()
+    ).groups()
+    assert html.unescape(source) == page.html

@@ -88,7 +88,7 @@ _DIRECTION = (
     Key("direction", "direction of a positive effort", VECTOR, needed=True),
     Key("axes", "number of the body in whose axes the direction is, that of `to`; 0: ground", WHOLE, 0),
 )
-# The kinds of `model.shapes`, which takes numpy.
+# The primitives of `model.shapes`, which takes numpy.
 SOLIDS = ("box", "cylinder", "tube", "cone", "sphere")
 _OF_MANY = "; 2-9(x,y,z) or 2-9:node are shapes of bodies 2 to 9, 2:1-5 of nodes 1 to 5"
 _SETS = tuple(key._replace(meaning=key.meaning + _OF_MANY) for key in _ENDS)

@@ -12,7 +12,8 @@ import numpy as np
 from ...model.joint_elements import COORDINATES_OF
 from ...model.joints import ANGLE
 from ...model.mechanism import Joint, Mechanism
-from ...model.vectors import rotation_matrix
+from ...model.vectors import cross, dot, rotation_matrix, unit
+from ...model.vectors import rotated as turned
 from ..checkpoint import taken
 from .rows import Rows, rotated
 
@@ -76,15 +77,14 @@ def _vectors(mechanism: Mechanism, joint: Joint) -> Any:
     I, J = mechanism.bodies[joint.i], mechanism.bodies[joint.j]
     A_i, A_j = rotation_matrix(I.p), rotation_matrix(J.p)
     P_i, P_j = np.asarray(joint.P_i, float), np.asarray(joint.P_j, float)
-    s = np.asarray(joint.s_i, float) / np.linalg.norm(joint.s_i)
-    f = np.cross(s, np.eye(3)[int(np.argmin(np.abs(s)))])
-    f /= np.linalg.norm(f)
-    h, own = A_j.T @ A_i @ f, np.asarray(joint.s_j, float)
-    own = own / (np.linalg.norm(own) or 1.0)
-    if MISSED_AXIS < abs(h @ own) < 1.0 - MISSED_AXIS:
-        h = h - (h @ own) * own
-    gap = np.add(J.r, A_j @ P_j) - np.add(I.r, A_i @ P_i)
-    return f, np.cross(s, f), s, P_i, h, P_j, gap @ (A_i @ s)
+    s = unit(joint.s_i)
+    f = unit(cross(s, np.eye(3)[int(np.argmin(np.abs(s)))]))
+    h, own = turned(A_j.T, turned(A_i, f)), np.asarray(joint.s_j, float)
+    own = unit(own) if own.any() else own
+    if MISSED_AXIS < abs(dot(h, own)) < 1.0 - MISSED_AXIS:
+        h = h - dot(h, own) * own
+    gap = np.add(J.r, turned(A_j, P_j)) - np.add(I.r, turned(A_i, P_i))
+    return f, cross(s, f), s, P_i, h, P_j, dot(gap, turned(A_i, s))
 
 
 class WholeTurns:
