@@ -12,8 +12,7 @@ from ..constrained.system import System
 from .error_norm import tolerance
 
 if TYPE_CHECKING:
-    from .generalised_alpha import AlphaIntegration
-    from .radau5 import RadauIntegration
+    from .integrations import AlphaIntegration, RadauIntegration
 
 
 @kernel
