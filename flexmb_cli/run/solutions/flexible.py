@@ -67,6 +67,13 @@ def _digest(system: Any) -> str:
 def _analysis(mechanism: FlexibleMechanism, run: Run) -> FlexibleDynamics:
     analysis = FlexibleDynamics(mechanism)
     set_tolerances(analysis, run.options, run.outcome)
-    begin_at_rest(analysis, partial(FlexibleDynamics, mechanism), run, analysis.arrays.speeds, mechanism.time)
+    begin_at_rest(
+        analysis,
+        partial(FlexibleDynamics, mechanism),
+        run,
+        analysis.arrays.speeds,
+        mechanism.time,
+        mechanism.elements.signals,
+    )
     announce_compiling(run.listener, analysis.integrator.entry)
     return analysis

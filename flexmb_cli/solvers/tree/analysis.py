@@ -134,14 +134,14 @@ class TreeAnalysis(TreeSteps):
             assemble_tree(self)
             if self.rest is not None:
                 self.state[:] = self.rest
+        if not self.resumed:
+            self._sample()
         begin = tree_dop853.BEGIN_STEPS if self.in_body_axes else codes.BEGIN
         code = self.evaluate() if self.resumed else self.call(begin)
         if self._contacts and code != codes.NO_INERTIA:
             # The first step begins with the contacts of the state, not with those of the probe before it.
             code = self.evaluate()
             self._contacts = contacts_in(self.arrays.contacts)
-        if not self.resumed and self._sample():
-            code = self.call(begin)
         self.resumed = False
         self.integration.old[:] = self.integration.z
         if code == codes.NO_INERTIA:
@@ -151,17 +151,16 @@ class TreeAnalysis(TreeSteps):
             if self.repeated.any():
                 self._warn_of_repetition(self.repeated)
 
-    def _sample(self) -> bool:
-        """Take the samples of signals that are due at the state; return whether there are any."""
+    def _sample(self) -> None:
+        """Take the samples of signals that are due at the state, which is in axes of the hinges."""
         signals, t = self.arrays.signals, float(self.clock["t"][0])
         if not set_due(signals, self.tree.elements.signals, self.tree.time.start, t):
-            return False
-        self.evaluate()
+            return
+        self.call(tree_dop853.GO_ON)
         self.sampled_at = t
         first = 2 * len(self.coordinates) + 4 * self.arrays.balls
         self.state[first : first + signals.states.size] = signals.states
         signals.records["due"] = 0
-        return True
 
     def _warn_of_repetition(self, repeated: np.ndarray) -> None:
         from .loop_assembly import repetition

@@ -1,6 +1,7 @@
 """Signals and controllers in all dialects, against closed forms and problems of `reference/motion`."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from tests.dialects.vsdf.test_elements import rows_of as vsdf_rows
 from tests.solvers.constrained.element_decks import ROTOR
 from tests.solvers.constrained.element_decks import rows_of as young_rows
 
+DECKS = Path(__file__).resolve().parents[4] / "decks"
 # A rotor about z with the moment of inertia J: YOUNG, VSDF and DAFMS, where its angle is ANGLE.
 METHODS = ("young RK45", "young RAD5", "young GALF", "vsdf RK45", "vsdf RAD5", "dafms dop853", "dafms sdirk4")
 _CARDS = {"RK45": "TOLERANCE 1e-11\n", "RAD5": "RAD5 1e-11\n", "GALF": "GALF 0 0.9\nTOLERANCE 1e-9\n"}
@@ -142,6 +144,21 @@ def test_a_sampled_controller_holds_its_torque_from_sample_to_sample(method, del
     assert rows.element_coordinate[:, -1] == pytest.approx(angles, abs=near(method))
     # Rows at samples are those after them, the last one too.
     assert rows.element_effort[:, -1] == pytest.approx(torques, abs=near(method))
+
+
+@pytest.mark.parametrize("method", ["dop853", "sdirk4"])
+def test_samples_leave_the_motion_of_a_spherical_hinge_as_it_is(method):
+    """The same tree without samples, whose steps do not end at them: 1e-7 by its tolerance."""
+    text = (DECKS / "dafms" / "spatial_rigid.DAT").read_text()
+    shorter = text[: text.index("END ")].replace("  200\n", "   40\n")
+    angle = "ELEMENTS\n  SIGNAL angle sum 2.r3"
+    free = dafms_rows(angle, method, shorter).signal_value[:, 0]
+    samples = "\n  SIGNAL held pid of=angle kp=1 period=0.05 delay=0.02"
+    rows = dafms_rows(angle + samples, method, shorter)
+    assert np.ptp(free) > 0.1
+    assert rows.signal_value[:, 0] == pytest.approx(free, abs=1e-7)
+    held = np.concatenate([np.zeros(2), np.repeat(free[::5], 5)])[: free.size]
+    assert rows.signal_value[:, 1] == pytest.approx(held, abs=1e-7)
 
 
 BLOCKS = """  SIGNAL one sum 1
