@@ -23,6 +23,9 @@ _SHAPES = {
     "file": "file name",
     "whole number": "integer",
     "number": "number",
+    "signals": "signal or (signal,signal)",
+    "numbers": "number or (number,number)",
+    "axis": "x, y or z",
 }
 
 

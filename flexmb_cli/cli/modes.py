@@ -123,7 +123,7 @@ def modes_text(report: Any) -> str:
 def _mechanism_lines(found: Any) -> Iterator[Any]:
     modes = found.modes
     where = "about the equilibrium" if found.equilibrium else "of the mechanism"
-    yield f"  linearised motion {where} at t = {found.time:.6g} s: DOF {len(modes.eigenvalues) // 2}"
+    yield f"  linearised motion {where} at t = {found.time:.6g} s: DOF {modes.degrees_of_freedom}"
     if not modes.constant:
         yield f"    frozen at t = {found.time:.6g} s: the coefficients change along the motion"
     if found.equilibrium:

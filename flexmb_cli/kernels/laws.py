@@ -66,9 +66,12 @@ def _effort(
     curve, energy, damper = f[0], f[1], f[2]
     if curve >= 0:
         force, slope, _ = function_values(functions, knots, curve, s)
-        kept += force
         answer[STIFFNESS] += slope
-        answer[ENERGY] += function_values(functions, knots, energy, s)[0]
+        if energy >= 0:
+            kept += force
+            answer[ENERGY] += function_values(functions, knots, energy, s)[0]
+        else:
+            lost += force
     if damper >= 0:
         force, slope, _ = function_values(functions, knots, damper, v)
         lost += force

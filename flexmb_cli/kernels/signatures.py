@@ -39,6 +39,7 @@ RECORDS = {
     **{name: f"model.arrays.tree:{name}" for name in ("ELASTIC_BODY", "PRESCRIBED", "CLOSURE_ROW")},
     "TREE_TORQUE": "model.arrays.tree:TORQUE",
     "TREE_ELEMENT": "model.arrays.tree_elements:TREE_ELEMENT",
+    "SIGNAL": "model.arrays.signals:SIGNAL",
     "TREE_FRICTION": "model.arrays.tree_elements:TREE_FRICTION",
     "NODE_FRAME": "model.arrays.node_frames:NODE_FRAME",
     "FLEXIBLE_PARENT": "model.arrays.node_frames:FLEXIBLE_PARENT",
@@ -57,35 +58,37 @@ TUPLES = {
     "Newton": ("kernels.kinematics.newton:Work", "f4 f2 f2 f2 i1 i2"),
     "System": (
         "kernels.constrained.system:System",
-        "CONSTRAINT1 i2 f1 f1 MASS1 FLEXIBLE1 f1 BODY_VECTOR1 f1 PRIMITIVE1 LOAD1 FUNCTION1 f2 f1 GROUP1 "
-        "BODY_VECTOR1 PRIMITIVE1 Contacts",
+        "CONSTRAINT1 i2 f1 f1 MASS1 FLEXIBLE1 f1 BODY_VECTOR1 f1 PRIMITIVE1 LOAD1 LOAD1 Signals "
+        "FUNCTION1 f2 f1 GROUP1 BODY_VECTOR1 PRIMITIVE1 Contacts",
     ),
     "Work": (
         "kernels.constrained.system:Work",
         "f4 f2 f2 f2 f1 i1 f2 f2 f3 f1 f3 f4 f1 f2 i1 f1 f1 f2 i2 i1 i2 f1 f2 f3 f4",
     ),
-    "Report": ("kernels.constrained.report:Report", "f1 f2 f2 f4 f2 f1 f2 f3 f3"),
+    "Report": ("kernels.constrained.report:Report", "f1 f2 f2 f4 f2 f1 f2 f3 f3 f2"),
     "Integration": ("kernels.integrators.integrations:Integration", "CLOCK1 f1 f1 f1 f2 f2 f1 f2"),
     "AlphaIntegration": (
         "kernels.integrators.integrations:AlphaIntegration",
-        "CLOCK1 ALPHA_MEMORY1 f1 f1 f1 f1 f2 f2 f2 f2 f2 f2 f2 Work",
+        "CLOCK1 ALPHA_MEMORY1 f1 f1 f1 f1 f2 f2 f2 f2 f2 f2 f2 Work f2",
     ),
     "RadauIntegration": (
         "kernels.integrators.integrations:RadauIntegration",
-        "CLOCK1 RADAU_MEMORY1 f1 f1 f1 f1 f2 f2 f2 f2 f2 f2 f2 f1 f1 f2 f2 f3 f3 c2 f1 c1 Work",
+        "CLOCK1 RADAU_MEMORY1 f1 f1 f1 f1 f2 f2 f2 f2 f2 f2 f2 f1 f1 f2 f2 f3 f3 c2 f1 c1 Work f2 f2",
     ),
     "Tree": (
         "model.arrays.tree:TreeArrays",
         "FRAME1 NODAL_MASS1 ELASTIC_BODY1 f1 f1 f1 i2 PRESCRIBED1 TREE_TORQUE1 CLOSURE_ROW1 f2 f2 "
-        "f2 f2 f1 b1 b1 f1 NodeFrames TREE_ELEMENT1 TREE_FRICTION1 f3 f1 f2 FUNCTION1 f2 Contacts int bool",
+        "f2 f2 f1 b1 b1 f1 NodeFrames TREE_ELEMENT1 TREE_FRICTION1 f3 f1 f2 TREE_ELEMENT1 Signals FUNCTION1 "
+        "f2 Contacts int bool",
     ),
     "Contacts": ("model.arrays.contacts:Contacts", "CONTACT_SET1 END1 TOUCH1 KEPT1 i1 i2"),
+    "Signals": ("model.arrays.signals:Signals", "SIGNAL1 i1 i1 f1 f2 f1 f1 f2"),
     "NodeFrames": (
         "model.arrays.node_frames:NodeFrames",
         "NODE_FRAME1 FLEXIBLE_PARENT1 f1 f2 f2 f1 f2 f2 f2 f2 f2 f1 f1",
     ),
     "TreeIntegration": ("kernels.integrators.tree_dop853:Integration", "CLOCK1 f1 f1 f1 f2 f2 f1"),
-    "TreeReport": ("kernels.tree.report:Report", "f1 f2 FRAME_WORK2 f2 CLOSURE_ROW2 f2 f3 f2 f3"),
+    "TreeReport": ("kernels.tree.report:Report", "f1 f2 FRAME_WORK2 f2 CLOSURE_ROW2 f2 f3 f2 f2 f3"),
     "Implicit": (
         "kernels.integrators.sdirk4:Implicit", "CLOCK1 f1 SDIRK_MEMORY1 f2 f1 f1 f1 f1 f1 f1 f1 f1 Stiff",
     ),

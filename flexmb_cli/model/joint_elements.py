@@ -18,6 +18,7 @@ from ..errors import Place
 from .joints import JOINT_TYPES, NODE_JOINT_TYPES
 from .laws import Element, Law, is_angle
 from .mechanism import Vector
+from .signals import Signal
 from .time_functions import MotionFunction, values_at
 
 CURVE_SAMPLES = 400  # places of a curve at which it is looked at
@@ -238,6 +239,7 @@ class JointElements:
     composites: tuple[CompositeJoint, ...] = ()
     starts: tuple[JointStart, ...] = ()
     curves: tuple[Curve, ...] = ()
+    signals: tuple[Signal, ...] = ()
 
     def __bool__(self) -> bool:
         return any(getattr(self, field.name) for field in fields(self))

@@ -102,6 +102,16 @@ class Line(NamedTuple):
     P_j: Any  # point of the second
 
 
+class Along(NamedTuple):
+    """The displacement of a point from another along an axis of body i; of sensors."""
+
+    i: int  # first body, -1: ground
+    j: int  # second body, -1: ground
+    P_i: Any  # point of the first: (3,) body axes, m, or a node
+    P_j: Any  # point of the second
+    axis: int  # 0, 1, 2
+
+
 class Frames(NamedTuple):
     """Frames at two points that coincide in attitude at the estimates of YOUNG, elsewhere at the start.
 
@@ -461,6 +471,11 @@ def spring(
 def motors_last(elements: Iterable[Element]) -> tuple[Element, ...]:
     """Return elements in their order, but motors after all others, as results have them."""
     return tuple(sorted(elements, key=lambda item: item.law is MOTOR))
+
+
+def parts_by_name(elements: Iterable[Element]) -> list[str]:
+    """Return the name of each part of elements in the order of arrays, without friction."""
+    return [name for item in elements if item.law is not FRICTION for name, _ in item.parts]
 
 
 def parts_in_arrays(elements: Iterable[Element]) -> list[tuple[Element, int]]:

@@ -23,6 +23,7 @@ from .piecewise_polynomials import (
 )
 
 POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND, PERIODIC = 1, 2, 3, 4, 5, 6, 7, 8
+SIGNAL = 9
 
 
 @dataclass(frozen=True, slots=True)  # a deck may have thousands
@@ -34,6 +35,7 @@ class MotionFunction:
     (`times`, `values`), whose `curvature` (k,) is known at each; outside it continues straight.  5: the same,
     which keeps its first and last value outside.  6: `pieces`, see `piecewise_polynomials`.  7: the sum of
     `terms`, each a product of functions of the other types.  8: `pieces` that repeat with the period c0.
+    9: the signal number c0 of the model, at any argument.
     The points of a table may be a million: arrays of doubles.
     """
 
@@ -224,6 +226,11 @@ def integral_of(function: MotionFunction, start: float = 0.0) -> MotionFunction 
         known = [part for part in parts if part is not None]
         return sum_of(known) if len(known) == len(parts) else None
     return None
+
+
+def is_signal(function: MotionFunction | None) -> bool:
+    """Return whether a function is the value of a signal."""
+    return function is not None and function.kind == SIGNAL
 
 
 def smoothness(function: MotionFunction) -> int:

@@ -6,7 +6,7 @@ from typing import Any
 
 from ..deck.record import Deck, DeckText
 from ..dialects import DIALECTS
-from ..dialects.elements_block.line import has_outputs
+from ..dialects.elements_block.line import has_outputs, lines_of
 from ..dialects.recognise import dialect_named, read_deck
 from ..errors import DeckError, Fault, FlexmbError, ModelError, visible
 from ..model.exchange.conversion import Start
@@ -42,6 +42,7 @@ def converted(
         deck = open_deck(path, options, run.outcome)
         # What a file is called may come from anywhere, and must not be more than a word of the new file.
         name = visible(PurePath(deck.source.name).stem)
+        _refuse_signals(deck)
         if has_outputs(deck):
             message = "lines OUTPUT are left out: copy those that you need, with the numbers of the new deck"
             run.outcome.faults.append(Fault("warning", message, id="RESULT-114"))
@@ -53,6 +54,16 @@ def converted(
     except FlexmbError as failure:
         failure.file = failure.file or path
         raise
+
+
+def _refuse_signals(deck: Deck) -> None:
+    """Refuse decks with signals, whose gains and measures belong to the units and the start of the deck."""
+    lines = [line for line in lines_of(deck) if line.word == "SIGNAL"]
+    if lines:
+        message = "signals do not convert: they measure from the start of this deck, and in its units"
+        raise ModelError(
+            [Fault("error", message, line.place, line.subject, id="MODEL-050") for line in lines]
+        )
 
 
 def _refuse_own(deck: Deck, form: str, units: tuple[str, str]) -> None:

@@ -9,8 +9,10 @@ import numpy as np
 
 from ..errors import Fault, ModelError
 from ..model.flexible_mechanism import FlexibleMechanism
+from ..model.joint_elements import JointElements
 from ..model.loads import DynamicModel
 from ..model.mechanism import TimeGrid
+from ..model.signals import SAMPLE_SIGNAL
 from ..model.tree import Tree
 from ..solvers.compilation import Notices, announce_compiling
 from .check.check import FARTHEST_STEPS
@@ -67,7 +69,7 @@ class MechanismModes:
             "time": self.time,
             "equilibrium": self.equilibrium,
             "frozen": not modes.constant,
-            "degrees_of_freedom": len(modes.eigenvalues) // 2,
+            "degrees_of_freedom": modes.degrees_of_freedom,
             "frequency": modes.frequency.tolist(),
             "damping": modes.damping.tolist(),
             "growing": modes.growing.tolist(),
@@ -139,9 +141,26 @@ def kernels_for(
     return nullcontext()
 
 
+def _check_signals(elements: JointElements, wish: Wish) -> None:
+    """Refuse what signals do not have: a linear law if they are sampled, and inputs of a state space."""
+    faults = []
+    for signal in elements.signals:
+        if signal.kind == SAMPLE_SIGNAL:
+            message = "is sampled: motion between samples has no modes; leave out period= to linearise"
+            faults.append(Fault("error", message, signal.place, signal.name, id="RUN-140"))
+        elif signal.states and (wish.equilibrium or wish.out is not None):
+            message = (
+                "has states of its own, which an equilibrium and a state space do not include; take --at and "
+                "a time at which the motion is at rest"
+            )
+            faults.append(Fault("error", message, signal.place, signal.name, id="RUN-141"))
+    if faults:
+        raise ModelError(faults)
+
+
 def _linearised(
     analysis: Any, wish: Wish, run: Run, begin: Callable[[], object], motion_type: type, responses: type,
-    signals: Callable[..., Any],
+    signals: Callable[..., Any], elements: JointElements,
 ) -> tuple[Any, Any, "StateSpace | None"]:  # fmt: skip
     """Return the linearised motion where `begin` leads or at the equilibrium, its modes and state space."""
     from ..solvers.linearisation.constrained import linearised, modes_of
@@ -153,12 +172,14 @@ def _linearised(
     finally:
         run.outcome.faults += analysis.warnings
     run.warn(())
+    _check_signals(elements, wish)
     if wish.equilibrium:
         find_equilibrium(analysis, motion_type)
     motion, A, constant = linearised(analysis, motion_type)
-    space = None
-    if wish.state_space or wish.out is not None:
-        space = state_space(responses(motion), responses(motion.soon(A)), signals(motion))
+    f, space = motion.dofs, None
+    # That of --json is left out where it would lack states.
+    if (wish.state_space or wish.out is not None) and not motion.signals.states.size:
+        space = state_space(responses(motion), responses(motion.soon(A[: 2 * f, : 2 * f])), signals(motion))
     return motion, modes_of(motion, A, constant), space
 
 
@@ -169,7 +190,7 @@ def _of_mechanism(analysis: "LinearisableMotion", wish: Wish, run: Run) -> Mecha
     time, arrays = analysis.grid.start if wish.time is None else wish.time, analysis.arrays
     motion, found, space = _linearised(
         analysis, wish, run, lambda: bring_to(analysis, time), ConstrainedLinearised, ConstrainedResponses,
-        constrained_signals,
+        constrained_signals, analysis.elements,
     )  # fmt: skip
     names = tuple(arrays.speed_name(k) for k in range(arrays.speeds))
     z = motion.q
@@ -199,7 +220,14 @@ def _of_tree(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
         tree = replace(tree, time=replace(grid, end=time, step=time - grid.start))
     analysis = TreeAnalysis(tree)
     motion, found, space = _linearised(
-        analysis, wish, run, lambda: start_tree(analysis, time), TreeLinearised, TreeResponses, tree_signals
+        analysis,
+        wish,
+        run,
+        lambda: start_tree(analysis, time),
+        TreeLinearised,
+        TreeResponses,
+        tree_signals,
+        tree.elements,
     )
     names = tuple(coordinate.name for coordinate in tree.coordinates)
     q = np.asarray(motion.z[len(names) : 2 * len(names)]).tolist()

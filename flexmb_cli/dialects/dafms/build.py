@@ -11,7 +11,6 @@ from ...deck.many_records import DeckValues
 from ...deck.record import Deck
 from ...errors import Fault, ModelError
 from ...model.diagnostics import LARGEST_NUMBER, Findings
-from ...model.inertia_checks import check_inertia
 from ...model.integrators import TREE_METHODS
 from ...model.mechanism import TimeGrid
 from ...model.time_checks import MOST_ROWS, too_fine, unsteppable
@@ -31,6 +30,7 @@ from ..elements_block.line import SECTION as ELEMENTS
 from ..elements_block.line import mass_lines
 from .bodies import build_bodies
 from .hinges import build_hinges
+from .inertia_checks import check_inertia
 from .time_functions import build_closures, build_functions_of_time
 
 HERE = Path()

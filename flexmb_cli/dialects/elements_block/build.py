@@ -35,6 +35,7 @@ from .functions import Functions
 from .line import MASS, OUTPUT, ElementLine
 from .measures import Measures
 from .reader import usage
+from .signals import built_signals
 from .words import BY_WORD, key_of
 
 _MANY = ("from.last", "from.last_node", "to.last", "to.last_node")  # keys of ends that are several
@@ -55,11 +56,11 @@ class BlockBuilder:
         self.measures, self.functions, self.start = measures, functions, start
         self.findings: Findings = functions.findings
 
-    def elements(self, lines: Iterable[ElementLine], more: Makers) -> JointElements:
+    def elements(self, lines: Sequence[ElementLine], more: Makers) -> JointElements:
         """The elements of all lines but functions; `more`: makers of those of the dialect, by their words."""
         found: dict[str, list[Any]] = {}
         for line in lines:
-            if line.word in ("FUNCTION", OUTPUT, MASS):
+            if line.word in ("FUNCTION", "SIGNAL", OUTPUT, MASS):
                 continue
             field, item = self._element(line, more)
             if item is not None:
@@ -68,6 +69,7 @@ class BlockBuilder:
         self._refuse_driven(found.get("starts", ()), found.get("drivers", ()))
         groups: dict[str, Any] = {name: tuple(items) for name, items in found.items()}
         groups["forces"] = motors_last(groups.get("forces", ()))
+        groups["signals"] = built_signals(lines, self.measures, self.functions, groups["forces"])
         return JointElements(**groups)
 
     def _element(self, line: ElementLine, more: Makers) -> tuple[str, Any]:

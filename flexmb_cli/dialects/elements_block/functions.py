@@ -14,9 +14,11 @@ from ...deck.record import Record
 from ...model.diagnostics import Findings
 from ...model.piecewise_polynomials import linear_table, polynomial, smooth_step, spline_table
 from ...model.time_functions import (
+    SIGNAL,
     SINE,
     MotionFunction,
     integral_of,
+    is_signal,
     periodic,
     piecewise,
     product_of,
@@ -42,7 +44,7 @@ class Functions:
 
     def __init__(
         self,
-        lines: Iterable[ElementLine],
+        lines: Sequence[ElementLine],
         folder: Path,
         findings: Findings,
         tables: Mapping[int, MotionFunction | None] | None = None,
@@ -59,6 +61,22 @@ class Functions:
                 findings.error(function.line.subject, message, function.line.place, id="ELEMENTS-025")
                 break
             self._take(function)
+        for k, line in enumerate(line for line in lines if line.word == "SIGNAL"):
+            self._take_signal(line, k)
+
+    def _take_signal(self, line: ElementLine, k: int) -> None:
+        """Take signal k for a function: of its own number, if it has one, and its name."""
+        names = [line.subject, *([name_of(line["number"])] if "number" in line else ())]
+        for name in names:
+            if name in self._records:
+                message = f"function number {name} is already {self._records[name].subject}"
+                self.findings.error(line.subject, message, line.place_of("number"), id="ELEMENTS-081")
+                return
+            self._records[name], self._functions[name] = (
+                line,
+                MotionFunction(SIGNAL, (float(k), 0.0, 0.0, 0.0)),
+            )
+        self._used.add(line.subject)
 
     def _take(self, given: GivenFunction) -> None:
         line = given.line
@@ -96,16 +114,21 @@ class Functions:
             self._used.add(self._records[name].subject)
         return self._functions.get(name)
 
+    def named(self, name: str) -> MotionFunction | None:
+        """The function of a name that is known; None where it has a fault."""
+        self._used.add(self._records[name].subject)
+        return self._functions.get(name)
+
     def motion(self, record: Record, key: str) -> MotionFunction | None:
         """The function that a driver's coordinate follows."""
-        function = self.function(record, key)
+        function = self._of_time(record, key)
         if function is not None:
             self._refuse_rough(record, function, 1, "the rate of a coordinate cannot jump", key)
         return function
 
     def integrated(self, record: Record, key: str, start: float, given: float = 0.0) -> MotionFunction | None:
         """The integral of the function from `given` at the time `start` on."""
-        function = self.function(record, key)
+        function = self._of_time(record, key)
         if function is None:
             return None
         self._refuse_rough(record, function, 0, "a rate cannot jump", key)
@@ -122,7 +145,7 @@ class Functions:
     def curve(self, record: Record, key: str) -> MotionFunction | None:
         """The characteristic of a spring or damper over its stretch or rate, which must have an integral."""
         function = self.function(record, key)
-        if function is not None and integral_of(function) is None:
+        if function is not None and not is_signal(function) and integral_of(function) is None:
             what = "a product or periodic function is no characteristic of a spring"
             message = f"{what}; use table, spline or polynomial"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-017")
@@ -155,6 +178,17 @@ class Functions:
         s = np.concatenate([[0.0], np.cumsum(chords)])
         make = periodic if np.array_equal(points[0], points[-1]) else _spline
         return [make(s.tolist(), values) for values in points.T.tolist()], 0.0, float(s[-1])
+
+    def _of_time(self, record: Record, key: str) -> MotionFunction | None:
+        """The function that `key` names, which must be no signal: its derivatives are needed."""
+        function = self.function(record, key)
+        if is_signal(function):
+            message = (
+                f"{name_of(record[key])} is a signal, which gives no rates; let a MOTOR follow it, effort="
+            )
+            self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-082")
+            return None
+        return function
 
     def _refuse_rough(self, record: Record, function: MotionFunction, least: int, why: str, key: str) -> None:
         if smoothness(function) < least:

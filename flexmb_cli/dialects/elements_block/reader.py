@@ -17,15 +17,18 @@ from ...model.laws import VECTOR
 from .line import MASS, MOST_ELEMENTS, OUTPUT, SECTION, ElementLine
 from .text import BLOCK, statements
 from .words import (
+    AXIS,
     BY_WORD,
     COORDINATE,
     END,
     FILE,
     FUNCTION,
     NUMBER,
+    NUMBERS,
     OUTPUTS,
     POINT,
     POSITIONS,
+    SIGNALS,
     STL,
     WHOLE,
     BlockWord,
@@ -35,6 +38,8 @@ from .words import (
 MOST_NUMBERS_OF_BLOCKS = 200_000  # of the blocks of a deck; longer tables stand in files
 NAME = re.compile(r"[A-Za-z0-9_-]+")
 COORDINATES = re.compile(r"([0-9]{1,9})\.(angle|stroke|[rt][1-3])", re.IGNORECASE)
+_SIGNAL = re.compile(r"[A-Za-z0-9_-]+(?:\.[A-Za-z0-9]+){0,2}")
+_NUMBER = re.compile(r"[-+]?\.?[0-9][0-9.eEdD+-]*")
 _END_AT_POINT = re.compile(r"([0-9]{1,9})(?:-([0-9]{1,9}))?\(([^()]*)\)")
 _END_AT_NODE = re.compile(r"([0-9]{1,9})(?:-([0-9]{1,9}))?:([0-9]{1,9})(?:-([0-9]{1,9}))?")
 _MEANINGS = {
@@ -256,6 +261,9 @@ class _Line:
 
     def _take_value(self, piece: Word) -> None:
         """Take a number of a function, or a name of those that it combines."""
+        if self.word.word == "SIGNAL" and self.kind in ("sum", "product"):
+            self._take_term(piece)
+            return
         if not self.kind or self.word.word != "FUNCTION":
             message = f"{number.shown(piece.text)} belongs to no key: {usage(self.word)}"
             self.error(piece, message, id="ELEMENTS-054")
@@ -274,6 +282,41 @@ class _Line:
         self.values += 1
         self._add("", piece, key, _MEANINGS[meaning], FUNCTION if meaning == "f" else NUMBER, piece.text)
 
+    def _take_term(self, piece: Word) -> None:
+        """Take a term of a sum, 0.8, 2.angle, -u or 0.5*u, or a factor of a product, 0.8, u or /u."""
+        self.values += 1
+        text, count = piece.text, self.values
+        if _NUMBER.fullmatch(text):
+            self._add_parts("", piece, [(f"c{count}", "constant", NUMBER, text, 0)])
+            return
+        factor, star, name = text.rpartition("*")
+        if self.kind == "product":
+            name, share = text.removeprefix("/"), "-1" if text.startswith("/") else "1"
+            of_name = (f"power{count}", "power of the next signal", NUMBER, share, 0)
+        else:
+            if not star and name[:1] in ("+", "-"):
+                factor, name = name[:1], name[1:]
+            share = f"{factor}1" if factor in ("", "+", "-") else factor
+            of_name = (f"factor{count}", "factor of the next signal", NUMBER, share, 0)
+        signal = (f"term{count}", "signal", SIGNALS, name, len(text) - len(name))
+        self._add_parts("", piece, [of_name, signal])
+
+    def _take_list(self, piece: Word, key: Key, text: str, offset: int) -> None:
+        """Take numbers or signals, (1,2,3), or a single one without parentheses."""
+        inside = text[1:-1] if text.startswith("(") and text.endswith(")") else text
+        first, kind = offset + (inside != text), NUMBER if key.kind == NUMBERS else key.kind
+        found = enumerate(re.finditer(r"[^\s,]+", inside), 1)
+        parts = [(f"{key.name}.{k}", key.meaning, kind, part[0], first + part.start()) for k, part in found]
+        self.given[key.name] = []
+        self._add_parts(key.name, piece, parts)
+        if not parts:
+            self.error(piece, f"{key.name} has no {key.kind}", offset, id="ELEMENTS-080")
+
+    def _add_parts(self, group: str, piece: Word, parts: Iterable[tuple[str, str, str, str, int]]) -> None:
+        """Add numbers and signals of a piece: key, meaning, type, text and where it begins."""
+        for part, meaning, kind, text, offset in parts:
+            self._add(group, piece, part, (meaning, ""), kind, text, offset)
+
     def _add(
         self, group: str, piece: Word, key: str, label: Any, kind: str, text: str, offset: int = 0
     ) -> None:
@@ -281,7 +324,7 @@ class _Line:
             value = self._value(kind, text)
         except (number.Misspelt, _Wrong) as fault:
             self.error(piece, f"{key} {fault}", offset, id="ELEMENTS-056")
-            value = "" if kind in (FUNCTION, FILE, COORDINATE) else 0
+            value = "" if kind in (FUNCTION, FILE, COORDINATE, SIGNALS, AXIS) else 0
         place = Place(piece.line, piece.column + offset, len(text))
         meaning, unit = label
         self.given.setdefault(group, []).append(Number(key, value, meaning, unit, place, text))
@@ -294,6 +337,10 @@ class _Line:
             return value
         if kind == FUNCTION and not NAME.fullmatch(text):
             raise _Wrong(f"must be the name of a function; read {number.shown(text)}")
+        if kind == SIGNALS and not _SIGNAL.fullmatch(text):
+            raise _Wrong(f"must be a signal, such as u, 2.angle or 2.angle.rate; read {number.shown(text)}")
+        if kind == AXIS and text.lower() not in ("x", "y", "z"):
+            raise _Wrong(f"must be x, y or z; read {number.shown(text)}")
         if kind == COORDINATE and not COORDINATES.fullmatch(text):
             raise _Wrong(
                 f"must be a coordinate, such as 2.angle, 2.stroke, 3.r1 or 3.t2; read {number.shown(text)}"
@@ -318,6 +365,8 @@ class _Line:
             return
         if key.kind == END:
             self._take_end(piece, key, text, offset)
+        elif key.kind in (NUMBERS, SIGNALS):
+            self._take_list(piece, key, text, offset)
         elif key.kind == VECTOR:
             self._take_vector(piece, key, text, offset)
         else:
@@ -426,6 +475,8 @@ def usage(word: BlockWord) -> str:
     if word.word == "COUPLING":
         return "COUPLING name 2.angle=factor 3.stroke=factor …, or from=1.angle to=2.stroke function=name"
     parts = [word.word, "name" if not word.unnamed else "", "|".join(word.kinds)]
+    if word.word == "SIGNAL":
+        return "SIGNAL name sum 0.8 -1*2.angle, or SIGNAL name pid of=error kp=3 ki=10, and so on"
     shape = {COORDINATE: "2.angle", END: "1(x,y,z)", VECTOR: "(x,y,z)", FUNCTION: "function"}
     texts = {key.name: f"{key.name}={shape.get(key.kind, '…')}" for key in word.keys}
     ways = [" | ".join(" ".join(texts[k] for k in group) for group in groups) for groups in word.choices]

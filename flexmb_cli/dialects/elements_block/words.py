@@ -21,6 +21,23 @@ NUMBER, WHOLE, FUNCTION, COORDINATE, END, FILE = (
     "file",
 )
 FUNCTION_KINDS = ("table", "spline", "periodic", "polynomial", "sine", "ramp", "step", "sum", "product")
+SIGNALS, NUMBERS, AXIS = "signals", "numbers", "axis"
+_SAMPLED = ("period", "delay")
+# Keys of the types of signals: those that must be given, those that may.  Terms have none.
+SIGNAL_KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "measure": ((), ("at", "from", "to", "along")),
+    "sum": ((), ()),
+    "product": ((), ()),
+    "table": (("of", "function"), ()),
+    "limit": (("of",), ("lower", "upper")),
+    "deadzone": (("of", "lower", "upper"), ()),
+    "switch": (("of", "level", "below", "above"), ("width",)),
+    "integral": (("of",), ("lower", "upper", "start")),
+    "pid": (("of",), ("kp", "ki", "kd", "filter", "lower", "upper", "start", *_SAMPLED)),
+    "transfer": (("of", "numerator", "denominator"), ("lower", "upper", *_SAMPLED)),
+    "state": (("of", "a", "b", "c"), ("d", "lower", "upper", "start", *_SAMPLED)),
+    "sample": (("of", "period"), ("delay", "start")),
+}
 # Keys of the numbers behind the name of a function that may stand by their places, too.
 POSITIONS = {"sine": ("mean", "amplitude", "omega", "phase")}
 POSITIONS |= dict.fromkeys(("ramp", "step"), ("start", "from", "end", "to"))
@@ -178,6 +195,34 @@ WORDS = (
             *(Key(axis, f"function added to {axis}", FUNCTION) for axis in "xyz"),
         ),
         ((("simplified", "value"), ("pin",)),),
+    ),
+    BlockWord(
+        "SIGNAL",
+        "value that is measured, follows from other signals, or is that of a controller",
+        (
+            Key("of", "signal, or (signal,signal), that it follows from", SIGNALS),
+            *(key._replace(needed=False) for key in (AT, *_ENDS)),
+            Key("along", "axis of the first end's body along which it is measured", AXIS),
+            Key("function", "function of the signal", FUNCTION),
+            Key("lower", "least value"),
+            Key("upper", "largest value"),
+            Key("level", "value of the signal at which it switches"),
+            Key("width", "of the signal, over which it goes from one to the other"),
+            Key("below", "signal that it is below that value", SIGNALS),
+            Key("above", "signal that it is above that value", SIGNALS),
+            Key("kp", "gain of the signal"),
+            Key("ki", "gain of its integral, 1/s"),
+            Key("kd", "gain of its rate, s"),
+            Key("filter", "time constant of the rate, s"),
+            *(Key(name, f"coefficients of the {name}, that of the highest power of s, or z, first", NUMBERS)
+              for name in ("numerator", "denominator")),
+            *(Key(name, f"matrix {name.upper()}, row by row", NUMBERS) for name in "abcd"),
+            Key("start", "values of its states at the start, or before the first sample", NUMBERS),
+            Key("period", "time from sample to sample, s; without it it is continuous"),
+            Key("delay", "time from a sample to the value that follows from it, s"),
+            Key("number", "number under which cards name it", WHOLE),
+        ),
+        kinds=tuple(SIGNAL_KEYS),
     ),
     *map(_of_law, LAWS),
     BlockWord(

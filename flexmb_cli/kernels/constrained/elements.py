@@ -49,7 +49,7 @@ def add_element(system: System, work: Work, k: int, u: np.ndarray, t: float, f: 
         return answer[POWER]
     if load["shape"] == CONTACT:
         return add_contact(system, work, load, u, answer, f)
-    directed = _fill_coordinate(system, work, load, answer)
+    directed = fill_coordinate(system, work, load, answer)
     effort = answer_law(load, system.functions, system.knots, t, directed, answer)
     if not directed:
         return 0.0
@@ -93,8 +93,11 @@ def add_along_line(geometry: Any, k: int, share: float, f: np.ndarray) -> None:
 
 
 @kernel
-def _fill_coordinate(system: System, work: Work, load: np.void, answer: np.ndarray) -> bool:
-    """Coordinate and rate of an element; whether it has a direction: ends that coincide have none."""
+def fill_coordinate(system: System, work: Work, load: np.void, answer: np.ndarray) -> bool:
+    """Fill coordinate and rate of an element or sensor in answer (8,); return whether it has a direction.
+
+    Ends that coincide have none.
+    """
     k, geometry = load["primitive"], geometry_of(system, work)
     if load["in_line"]:
         d, v = (

@@ -13,8 +13,9 @@ import numpy as np
 
 from .._jit import kernel, part
 from ..laws import ENERGY
+from ..signals import evaluate_signals
 from .body_vectors import geometry_of, move_vectors
-from .elements import ELEMENT, add_along_vector, add_element, add_element_slope
+from .elements import ELEMENT, add_along_vector, add_element, add_element_slope, fill_coordinate
 from .mass_matrix import constants_of, mass_times
 from .system import System, Work
 from .time_functions import function_values
@@ -27,19 +28,31 @@ FORCE, TORQUE = 1, 2
 def add_applied_forces(system: System, work: Work, u: np.ndarray, t: float, f: np.ndarray) -> float:
     """Add all applied forces but friction to f (n,).
 
-    Returns the power of those that store no energy: forces, torques and dampers.
+    Returns the power of those that store no energy: forces, torques and dampers.  Signals follow from
+    elements that no signal drives, and other loads from them.
     """
-    power = 0.0
-    for k in range(system.loads.shape[0]):
-        load = system.loads[k]
-        if load["kind"] == ELEMENT:
-            power += add_element(system, work, k, u, t, f)
-        elif load["kind"] < ELEMENT:
-            factor = 1.0
-            if load["function"] >= 0:
-                factor = function_values(system.functions, system.knots, load["function"], t)[0]
-            power += factor * add_along_vector(system, work, load, load["kind"] == FORCE, factor, u, f)
+    power, signals = 0.0, system.signals.records.shape[0] > 0
+    for turn in range(2 if signals else 1):
+        for k in range(system.loads.shape[0]):
+            if system.loads[k]["driven"] == turn:
+                power += _add_load(system, work, k, u, t, f)
+        if signals and turn == 0:
+            for k in range(system.sensors.shape[0]):
+                fill_coordinate(system, work, system.sensors[k], system.signals.sensed[k])
+            evaluate_signals(system.signals, system.functions, system.knots, work.responses, t)
     return power
+
+
+@kernel
+def _add_load(system: System, work: Work, k: int, u: np.ndarray, t: float, f: np.ndarray) -> float:
+    load, factor = system.loads[k], 1.0
+    if load["kind"] == ELEMENT:
+        return add_element(system, work, k, u, t, f)
+    if load["kind"] > ELEMENT:
+        return 0.0
+    if load["function"] >= 0:
+        factor = function_values(system.functions, system.knots, load["function"], t)[0]
+    return factor * add_along_vector(system, work, load, load["kind"] == FORCE, factor, u, f)
 
 
 @kernel

@@ -7,6 +7,7 @@ import numpy as np
 from .._jit import kernel
 from ..laws import POWER
 from ..linalg.number_rows import copy
+from ..signals import VALUE, take_states
 from .accelerations import accelerations
 from .body_vectors import geometry_of_joints, move_vectors, place_vectors
 from .constraint_primitives import primitive_rates, primitive_value
@@ -24,7 +25,9 @@ class Report(NamedTuple):
     """T rows of a mechanism of b bodies with n speeds and m equations."""
 
     times: np.ndarray  # (T,) s
-    states: np.ndarray  # (T, N) coordinates, speeds, work of drivers and applied loads, then of K loads, J
+    states: (
+        np.ndarray
+    )  # (T, N) coordinates, speeds, states of signals, work of drivers and applied loads, then of K loads, J
     rates: np.ndarray  # (T, n) of the speeds, m/s² or 1/s²
     wrenches: np.ndarray  # (T, groups, 2, 6) on both bodies, N and N m, see `fill_wrenches`
     multipliers: np.ndarray  # (T, m) scaled
@@ -32,6 +35,7 @@ class Report(NamedTuple):
     audit: np.ndarray  # (T, 5) energy: kinetic, of weights and springs, of strain, J; largest gap, its rate
     responses: np.ndarray  # (T, loads, 8) of springs and elements, columns and SI units as in `elements`
     joints: np.ndarray  # (T, joint coordinates, 2) rad or m, rad/s or m/s
+    signals: np.ndarray  # (T, S) values of signals, SI units
 
 
 @kernel
@@ -55,6 +59,7 @@ def observe(
 ) -> int:
     """Fill one row of `report` for the state z at t; a code."""
     q, u = coordinates_and_speeds(system, z)
+    take_states(system.signals, z, q.shape[0] + u.shape[0])
     code, power = accelerations(system, work, q, u, t, report.rates[row])
     if code == SOLVED:
         complete(system, work, z, t, expected, power, report, row)
@@ -95,6 +100,8 @@ def complete_motion(
     for k in range(work.responses.shape[0]):
         for column in range(work.responses.shape[1]):
             report.responses[row, k, column] = work.responses[k, column]
+    for k in range(system.signals.values.shape[0]):
+        report.signals[row, k] = system.signals.values[k, VALUE]
     audit = report.audit[row]
     audit[0] = kinetic_energy(system, work, u)
     audit[1] = weight_energy(system, work, q) + spring_energy(system, work)

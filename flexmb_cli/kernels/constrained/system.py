@@ -17,6 +17,7 @@ from ..linalg.rank_revealing_lu import Factors
 
 if TYPE_CHECKING:
     from ...model.arrays.contacts import Contacts
+    from ...model.arrays.signals import Signals
 
 
 class System(NamedTuple):
@@ -33,6 +34,8 @@ class System(NamedTuple):
     shapes: np.ndarray  # their shapes S (3, N), flat, m or 1 per unit of η
     primitives: np.ndarray  # PRIMITIVE records, first those of the other m - r rows, then those of loads
     loads: np.ndarray  # LOAD records
+    sensors: np.ndarray  # LOAD records of sensors
+    signals: "Signals"  # what is made of them, and of elements
     functions: np.ndarray  # FUNCTION records
     knots: np.ndarray  # (k, 3) knots of their tables and pieces: s, value, second rate; see `FunctionTable`
     gravity: np.ndarray  # (3,) global axes, m/s²

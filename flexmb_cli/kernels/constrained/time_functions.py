@@ -9,6 +9,7 @@ from .._jit import kernel
 
 # The codes of model.time_functions and model.arrays.records; a test compares them.
 POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND, PERIODIC = 1, 2, 3, 4, 5, 6, 7, 8
+SIGNAL = 9
 
 
 @kernel
@@ -36,6 +37,8 @@ def _simple(functions: np.ndarray, knots: np.ndarray, number: int, t: float) -> 
         phase = c[2] * t + c[3]
         swing = c[1] * math.sin(phase)
         return c[0] + swing, c[1] * c[2] * math.cos(phase), -c[2] * c[2] * swing
+    if kind == SIGNAL:
+        return knots[function["first"], 0], 0.0, 0.0
     if kind == PIECEWISE:
         return _piecewise(knots, function["first"], c, t)
     if kind == PERIODIC:

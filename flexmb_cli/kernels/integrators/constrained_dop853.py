@@ -25,6 +25,7 @@ from .constrained_equations import (
     code_of_gap,
     contacts_of,
     fill_doubtful,
+    first_speed,
     note_gap,
     projected_slope,
     report_trial,
@@ -56,7 +57,7 @@ def error_on_constraints(system: System, work: Work, integration: "Integration",
     two motions, the projection removes most of the error.
     """
     clock, n = integration.clock[0], system.speed_scale.shape[0]
-    first = clock["counted"] - n
+    first = first_speed(system)
     q, u = integration.trial[:first], integration.trial[first : first + n]
     square_5 = square_3 = 0.0
     for order in range(2):
@@ -95,12 +96,12 @@ def _keep_allowed(system: System, work: Work, change: np.ndarray):
 MOST_BLURRED = 1e-5  # by how much the projection may move a step over a singular position, scaled
 
 
-def new_integration(work: Work, angles: int, works: int = 0):
+def new_integration(work: Work, angles: int, works: int = 0, states: int = 0):
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles.
 
-    The works of the first `works` loads are kept.
+    The works of the first `works` loads are kept; `states`: those of signals.
     """
-    counted = 2 * work.motions.shape[0] + work.mass.shape[0]
+    counted = 2 * work.motions.shape[0] + work.mass.shape[0] + states
     n = counted + 1 + works
     return Integration(
         new_clock(counted), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((ALL_STAGES, n)),
@@ -174,9 +175,7 @@ def _fill_row(integration: Integration, t: float, report: Report, system: System
     code = report_trial(integration, t, x, report, system, work)
     if code == IN_DOUBT:
         _place_row(integration, t)
-        interpolate_slopes(
-            integration.dense, x, clock["step_length"], clock["counted"] - rates.shape[0], rates
-        )
+        interpolate_slopes(integration.dense, x, clock["step_length"], first_speed(system), rates)
         fill_doubtful(integration, t, x, report, system, work)
         return READY
     return code

@@ -1,7 +1,8 @@
 """Interface of integrators to a constrained mechanism: slopes, projection, report rows.
 
-The accelerations are those of the index-1 equations.  The state z (2 n + b + 1,) of b bodies with n speeds
-holds coordinates, speeds and the work of drivers and loads since the start.
+The accelerations are those of the index-1 equations.  The state z (2 n + b + s + 1,) of b bodies with n
+speeds and s states of signals holds coordinates, speeds, these states, and the work of drivers and loads
+since the start.
 
 Projection: Hairer and Wanner, Solving Ordinary Differential Equations II (second edition), section VII.2.
 """
@@ -20,6 +21,7 @@ from ..constrained.speeds import coordinate_rates, normalise
 from ..constrained.system import SOLVED, System, Work
 from ..linalg.number_rows import copy
 from ..linalg.rank_revealing_lu import smallest_pivot
+from ..signals import give_rates, take_states
 from .clock import CONTRADICTION, READY, STEP_VANISHED
 from .error_norm import scaled_norm
 from .hermite import cubic
@@ -58,7 +60,9 @@ def evaluate(
         clock["fault"] = factorise_at(system, work, q)
     if clock["fault"] != SOLVED:
         return np.inf, 0.0
+    take_states(system.signals, integration.trial, q.shape[0] + u.shape[0])
     power = accelerate(system, work, q, u, t, ud)
+    give_rates(system.signals, out, q.shape[0] + u.shape[0])
     coordinate_rates(system.masses.shape[0], q, u, coordinates_and_speeds(system, out)[0])
     last = clock["counted"]
     out[last] = power
@@ -123,9 +127,15 @@ def code_of_gap(integration: "Integration | AlphaIntegration | RadauIntegration"
 
 
 @kernel
+def first_speed(system: System) -> int:
+    """Return the place of the first speed in the state."""
+    return int(system.speed_scale.shape[0] + system.masses.shape[0])
+
+
+@kernel
 def fastest_change(system: System, integration: "AlphaIntegration | RadauIntegration", ud: np.ndarray):
     """The largest rate at which accelerations ud (n,) change the speeds of the state, 1/s."""
-    first, fastest = integration.clock[0]["counted"] - ud.shape[0], 0.0
+    first, fastest = first_speed(system), 0.0
     for k in range(ud.shape[0]):
         size = system.speed_scale[k] + abs(integration.z[first + k])
         fastest = max(fastest, abs(ud[k]) / size)

@@ -24,6 +24,7 @@ from .constrained_equations import (
     code_of_gap,
     contacts_of,
     fill_doubtful,
+    first_speed,
     first_step,
     interpolate_angles,
     is_doubtful,
@@ -75,19 +76,20 @@ MEMORY = np.dtype(
 )
 
 
-def new_integration(work: Any, angles: Any, works: int = 0) -> AlphaIntegration:
+def new_integration(work: Any, angles: Any, works: int = 0, states: int = 0) -> AlphaIntegration:
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles.
 
-    The works of the first `works` loads are kept.
+    The works of the first `works` loads are kept; `states`: those of signals.
     """
     m, n = work.jacobian.shape[0], work.motions.shape[0]
-    counted = 2 * n + work.mass.shape[0]
+    counted = 2 * n + work.mass.shape[0] + states
     size = counted + 1 + works
     return AlphaIntegration(
         new_clock(counted), np.zeros(1, MEMORY),
         np.zeros(size), np.zeros(size), np.zeros(size), np.ones(size),
         np.zeros((3, angles)), np.zeros((5, n)), np.zeros((3, n)), np.zeros((3, n)), np.zeros((3, n)),
         np.zeros((3, m)), np.zeros((3, works)), work._replace(reduced=paged_zeros(work.reduced.shape)),
+        np.zeros((3, states)),
     )  # fmt: skip
 
 
@@ -106,6 +108,8 @@ def _begin(integration: AlphaIntegration, system: System, work: Work) -> int:
     copy(integration.z, integration.old)
     for kind in (LAST, BEFORE, MEAN):
         copy(rates[NEW], rates[kind])
+    for kind in (LAST, BEFORE):
+        copy(integration.state_rates[NEW], integration.state_rates[kind])
     clock["step"] = memory["fixed"] if memory["fixed"] > 0.0 else first_step(system, integration, rates[LAST])
     memory["passing"] = clock["step"]
     return READY
@@ -156,6 +160,8 @@ def _accept(integration: AlphaIntegration, factor: float, system: System, work: 
     copy(rates[LAST], rates[BEFORE])
     copy(rates[NEW], rates[LAST])
     copy(rates[NEW_MEAN], rates[MEAN])
+    copy(integration.state_rates[LAST], integration.state_rates[BEFORE])
+    copy(integration.state_rates[NEW], integration.state_rates[LAST])
     advance(clock, memory, h)
     note_gap(integration, system, work)
     if integration.angles.shape[1] > 0:
@@ -180,7 +186,7 @@ def _fill_row(integration: AlphaIntegration, t: float, report: Report, system: S
     found = iterate(system, work, integration, t, 0.0, 0.0, 0.0)
     if is_doubtful(clock, work):
         _place_row(system, integration, t)
-        _accelerations_between(integration, x, report.rates[row])
+        _accelerations_between(system, integration, x, report.rates[row])
         fill_doubtful(integration, t, x, report, system, work)
         return READY
     if not found:
@@ -206,10 +212,10 @@ def _place_row(system: System, integration: AlphaIntegration, t: float) -> float
 
 
 @kernel
-def _accelerations_between(integration: AlphaIntegration, x: float, ud: np.ndarray) -> None:
+def _accelerations_between(system: System, integration: AlphaIntegration, x: float, ud: np.ndarray) -> None:
     """Fill ud (n,) with the slope of the speeds of `_between`."""
     old, z, rates, h = integration.old, integration.z, integration.rates, integration.clock[0]["step_length"]
-    first = integration.clock[0]["counted"] - ud.shape[0]
+    first = first_speed(system)
     for k in range(ud.shape[0]):
         i = first + k
         ud[k] = cubic_slope(x, old[i], z[i], h * rates[BEFORE, k], h * rates[LAST, k]) / h
@@ -241,7 +247,7 @@ def _between(system: System, integration: AlphaIntegration, x: float, point: np.
         integration.z,
         system.speed_scale.shape[0],
     )
-    nq, h, bodies = clock["counted"] - n, clock["step_length"], system.masses.shape[0]
+    nq, h, bodies = first_speed(system), clock["step_length"], system.masses.shape[0]
     shift, before, after, mean = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     for k in range(n):
         before[k] = old[nq + k]
@@ -259,6 +265,9 @@ def _between(system: System, integration: AlphaIntegration, x: float, point: np.
     for k in range(n):
         i = nq + k
         point[i] = cubic(x, old[i], z[i], h * integration.rates[BEFORE, k], h * integration.rates[LAST, k])
-    last = nq + n
+    for k in range(integration.state_rates.shape[1]):
+        i, rates = nq + n + k, integration.state_rates
+        point[i] = cubic(x, old[i], z[i], h * rates[BEFORE, k], h * rates[LAST, k])
+    last = clock["counted"]
     point[last] = cubic(x, old[last], z[last], h * memory["old_power"], h * memory["power"])
     works_between(integration, x, h, point)

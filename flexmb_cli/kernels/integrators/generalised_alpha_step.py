@@ -40,9 +40,11 @@ from ..constrained.system import CORRECTION, GAMMA, NO_INERTIA, PHI, PRODUCT, SO
 from ..linalg.cholesky import cholesky
 from ..linalg.number_rows import copy
 from ..linalg.rank_revealing_lu import smallest_pivot
+from ..signals import take_states
 from .clock import LOOK, leads_over
-from .constrained_equations import fastest_change, firm_pivot
+from .constrained_equations import fastest_change, firm_pivot, first_speed
 from .error_norm import CAUTION, ITERATED, SLOWEST, displacement_tolerance, tolerance
+from .signal_states import correct_states, error_of_trapezoid, predict_states
 from .singular_ahead import NOISE, SPEED_ROUND_OFF, blur, look_ahead, round_off
 
 if TYPE_CHECKING:
@@ -216,7 +218,7 @@ def step_error(system: System, integration: "AlphaIntegration", h: float):
     steps.  For ρ = 0 this is the constant 7/12 of the two-step method that u then follows.
     """
     clock, rates, n = integration.clock[0], integration.rates, system.speed_scale.shape[0]
-    first, rho = clock["counted"] - n, integration.memory[0]["rho"]
+    first, rho = first_speed(system), integration.memory[0]["rho"]
     s = (rho - 1.0) / (rho + 1.0)
     of_position, of_speed = (1.0 / 12.0 + 0.25 * s * s) * h * h, (1.0 / 12.0 + 0.5 * s * s) * h
     length, total = clock["step_length"], 0.0
@@ -228,6 +230,8 @@ def step_error(system: System, integration: "AlphaIntegration", h: float):
         total += (of_position * growth / displacement_tolerance(clock, system.speed_scale[k])) ** 2
         scale = tolerance(clock, integration.units[first + k], abs(integration.trial[first + k]))
         total += (of_speed * bend / scale) ** 2
+    states = integration.state_rates
+    total += error_of_trapezoid(system, integration, states[NEW], states[LAST], states[BEFORE], h)
     return (0.5 * total / n) ** 0.5
 
 
@@ -235,7 +239,7 @@ def step_error(system: System, integration: "AlphaIntegration", h: float):
 def correction_size(system: System, integration: "AlphaIntegration", by_speed: float):
     """The change of the speeds by the correction of the accelerations, in tolerances."""
     clock, n, total = integration.clock[0], system.speed_scale.shape[0], 0.0
-    first = clock["counted"] - n
+    first = first_speed(system)
     for k in range(n):
         scale = tolerance(clock, integration.units[first + k], abs(integration.trial[first + k]))
         total += (by_speed * integration.corrections[ACCELERATION_GAP, k] / scale) ** 2
@@ -285,7 +289,7 @@ def iterate(
     An acceleration moves positions and speeds by so much.  With h = 0 by nothing: the state is the one at
     t, and is brought onto the constraints.
     """
-    clock, memory = integration.clock[0], integration.memory[0]
+    clock, memory, states = integration.clock[0], integration.memory[0], integration.state_rates
     # The first correction is trusted somewhat less than the last of the step before was.
     quality, left, before, gap_before = 0.0, memory["left"] ** CAUTION, 0.0, np.inf
     for iteration in range(MOST_ITERATIONS):
@@ -298,6 +302,8 @@ def iterate(
             return False
         quality = work.quality[0]
         size, gap = _correct(system, work, integration, by_position, by_speed)
+        if h > 0.0:
+            size = max(size, correct_states(system, integration, states[NEW], states[LAST], h))
         if h == 0.0:
             # A row from afar needs more of them; equations that repeat others never close better.
             if iteration >= STILL_ITERATIONS - 1 and (gap < CLOSED_BY_ONE_MORE or not gap < 0.5 * gap_before):
@@ -348,6 +354,8 @@ def _predict(system: System, work: Work, integration: "AlphaIntegration", h: flo
         step[k] = h * (u[k] + h * ((0.5 - beta) * mean + beta * new))
         u[k] += h * ((1.0 - gamma) * mean + gamma * new)
     memory["mean_length"] = h
+    states = integration.state_rates
+    predict_states(system, integration, states[NEW], states[LAST], states[BEFORE], h)
     turn_exactly(system.masses.shape[0], q, step)
     expect_angles(system, work, integration, h)
     copy(integration.angles[EXPECTED], work.angles)
@@ -387,9 +395,11 @@ def _evaluate(system: System, work: Work, integration: "AlphaIntegration", t: fl
     for row in range(gaps.shape[1]):
         gaps[POSITION_GAP, row] = -work.rows[PHI, row]
         gaps[SPEED_GAP, row] = work.rows[GAMMA, row]
+    take_states(system.signals, integration.trial, q.shape[0] + u.shape[0])
     integration.memory[0]["new_power"] = missing_forces(
         system, work, q, u, t, ud, gaps[ACCELERATION_GAP], integration.missing[ACCELERATION_GAP]
     )
+    copy(system.signals.rates, integration.state_rates[NEW])
     fill_load_powers(work, integration.load_powers[TRIED])
     return code
 

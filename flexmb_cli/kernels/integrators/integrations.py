@@ -37,6 +37,7 @@ class AlphaIntegration(NamedTuple):
     gaps: np.ndarray  # (3, m) missing, in units of the equations: ACCELERATION_GAP, SPEED_GAP, POSITION_GAP
     load_powers: np.ndarray  # (3, K) of each load whose work is kept, rows NOW, BEHIND and TRIED, W
     newton: Work  # whose `reduced` is the matrix of an iteration
+    state_rates: np.ndarray  # (3, s) rates of the states of signals, 1/s, rows NEW, LAST, BEFORE
 
 
 class RadauIntegration(NamedTuple):
@@ -65,3 +66,5 @@ class RadauIntegration(NamedTuple):
     real_part: np.ndarray  # (n,) right side and solution of the real matrix, scaled
     complex_part: np.ndarray  # (n,) and of the complex one, scaled
     newton: Work  # whose `reduced` is the real matrix
+    states: np.ndarray  # (3, s) states of signals at the stages, SI units
+    state_rates: np.ndarray  # (5, s) and their rates, 1/s, rows START, stages and BEHIND_STEP

@@ -33,6 +33,7 @@ from .constrained_equations import (
     code_of_gap,
     contacts_of,
     fill_doubtful,
+    first_speed,
     first_step,
     interpolate_angles,
     is_doubtful,
@@ -41,6 +42,7 @@ from .constrained_equations import (
 from .error_norm import MOST_MOVED, SLOWEST, moved_by_time, tolerance
 from .integrations import RadauIntegration
 from .radau5_step import (
+    BEHIND_STEP,
     FASTEST,
     LAST_STEP,
     QUADRATURE,
@@ -101,7 +103,7 @@ def singular_step(system: System, work: Work, integration: "RadauIntegration", h
             return False
         clock["error"] = max(
             clock["error"],
-            (AFTER_BENDING if again else BEFORE_BENDING) * h * _unexpected(integration, expected),
+            (AFTER_BENDING if again else BEFORE_BENDING) * h * _unexpected(system, integration, expected),
         )
     pivot = most_declined(work)
     behind = -work.diagonal[pivot] / work.pivots[pivot]
@@ -129,10 +131,10 @@ def _bend(integration: "RadauIntegration", expected: np.ndarray, h: float) -> No
 
 
 @kernel
-def _unexpected(integration: "RadauIntegration", expected: np.ndarray) -> float:
+def _unexpected(system: System, integration: "RadauIntegration", expected: np.ndarray) -> float:
     """By how many tolerances of the speeds, a second, the accelerations at the end are not those expected."""
     clock, n, total = integration.clock[0], expected.shape[0], 0.0
-    first = clock["counted"] - n
+    first = first_speed(system)
     for k in range(n):
         scale = tolerance(clock, integration.units[first + k], abs(integration.trial[first + k]))
         total += ((integration.rates[START + STAGES, k] - expected[k]) / scale) ** 2
@@ -169,13 +171,13 @@ MEMORY = np.dtype(
 )
 
 
-def new_integration(work: Any, angles: Any, works: int = 0) -> RadauIntegration:
+def new_integration(work: Any, angles: Any, works: int = 0, states: int = 0) -> RadauIntegration:
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles.
 
-    The works of the first `works` loads are kept.
+    The works of the first `works` loads are kept; `states`: those of signals.
     """
     n = work.motions.shape[0]
-    size = (counted := 2 * n + work.mass.shape[0]) + 1 + works
+    size = (counted := 2 * n + work.mass.shape[0] + states) + 1 + works
     return RadauIntegration(
         new_clock(counted), np.zeros(1, MEMORY),
         np.zeros(size), np.zeros(size), np.zeros(size), np.ones(size),
@@ -185,6 +187,7 @@ def new_integration(work: Any, angles: Any, works: int = 0) -> RadauIntegration:
         np.zeros((STAGES, n)),
         paged_zeros((STAGES, n, n)), paged_zeros((3, n, n)), paged_zeros((n, n), complex),
         np.zeros(n), np.zeros(n, complex), work._replace(reduced=paged_zeros((n, n))),
+        np.zeros((STAGES, states)), np.zeros((STAGES + 2, states)),
     )  # fmt: skip
 
 
@@ -199,6 +202,7 @@ def _begin(integration: RadauIntegration, system: System, work: Work) -> int:
         code = NO_INERTIA
     if code == SOLVED:
         code, memory["power"] = project_state(system, work, integration, clock["t"], rates[START])
+        copy(system.signals.rates, integration.state_rates[START])
     clock["fault"] = code
     if code != SOLVED:
         return STEP_VANISHED
@@ -313,6 +317,8 @@ def _accept(integration: RadauIntegration, factor: float, system: System, work: 
     for node in range(STAGES + 1):
         copy(rates[START + node], rates[LAST_STEP + node])
     copy(rates[LAST_STEP + STAGES], rates[START])
+    copy(integration.state_rates[START], integration.state_rates[BEHIND_STEP])
+    copy(integration.state_rates[START + STAGES], integration.state_rates[START])
     clock["step_start"], clock["step_length"] = clock["t"], h
     clock["t"] = clock["stop"] if h >= clock["stop"] - clock["t"] else clock["t"] + h
     clock["step"] = h * factor

@@ -41,11 +41,13 @@ from ..constrained.system import GAMMA, PRODUCT, SOLVED, UNKNOWN, System, Work
 from ..linalg.cholesky import cholesky, cholesky_solve
 from ..linalg.number_rows import copy
 from ..linalg.profile_ldl import factorise_symmetric, solve_symmetric
-from .constrained_equations import works_between
+from ..signals import take_states
+from .constrained_equations import first_speed, works_between
 from .error_norm import CAUTION, displacement_tolerance, scaled_norm, tolerance
 from .generalised_alpha_step import turn_exactly
 from .hermite import cubic, quintic
 from .rotation_increments import LONGEST_TURN, largest_turn, set_slope
+from .signal_states import error_of_stages, first_state, place_states
 from .singular_ahead import blur
 
 if TYPE_CHECKING:
@@ -89,6 +91,8 @@ ERROR = REAL / 3.0 * np.array([-13.0 - 7.0 * _R, -13.0 + 7.0 * _R, -1.0])
 # Rows of the accelerations kept (8, n): of the start and the stages of a step, the one that is tried and
 # that before.
 START, LAST_STEP = 0, 4
+# Of the rates of the states of signals (5, s): after START and the stages that of the start of the last step.
+BEHIND_STEP = 4
 # Layers of the matrices (3, n, n): M, D and K of the free motions, lower parts.
 MASS_LAYER, DAMPING_LAYER, STIFFNESS_LAYER = 0, 1, 2
 
@@ -178,6 +182,8 @@ def predict(system: System, integration: "RadauIntegration", h: float) -> None:
         accelerations_between(integration, 1.0 + ratio * TIMES[stage], rates[1 + stage])
     integration.shifts[:] = 0.0
     _forget_failure(system, integration)
+    for stage in range(STAGES):
+        copy(integration.state_rates[START], integration.state_rates[1 + stage])
     # θ̇ depends on θ: the second time it is a good one.
     for _ in range(2):
         place_stages(system, integration, h)
@@ -211,7 +217,7 @@ def place_stages(system: System, integration: "RadauIntegration", h: float) -> f
     )
     n, total = rates.shape[1], 0.0
     u = coordinates_and_speeds(system, integration.z)[1]
-    first = clock["counted"] - n
+    first = first_speed(system)
     for stage in range(STAGES):
         for k in range(n):
             change = 0.0
@@ -230,6 +236,7 @@ def place_stages(system: System, integration: "RadauIntegration", h: float) -> f
             change = h * change - shifts[stage, k]
             shifts[stage, k] += change
             total += (change / displacement_tolerance(clock, system.speed_scale[k])) ** 2
+    total += place_states(system, integration, integration.state_rates[1 : 1 + STAGES], WEIGHTS, h)
     return (total / (2.0 * STAGES * n)) ** 0.5
 
 
@@ -240,6 +247,9 @@ def place_trial(system: System, integration: "RadauIntegration", stage: int) -> 
     q, u = coordinates_and_speeds(system, integration.trial)
     turn_exactly(system.masses.shape[0], q, integration.shifts[stage])
     copy(integration.speeds[stage], u)
+    first = first_state(system)
+    for k in range(integration.states.shape[1]):
+        integration.trial[first + k] = integration.states[stage, k]
 
 
 @kernel
@@ -252,7 +262,9 @@ def _evaluate(system: System, work: Work, integration: "RadauIntegration", stage
         return code
     n, rank, ud = u.shape[0], work.rank[0], integration.rates[1 + stage]
     gaps, missing = work.rows[GAMMA], integration.missing
+    take_states(system.signals, integration.trial, q.shape[0] + n)
     integration.powers[stage] = missing_forces(system, work, q, u, t, ud, gaps, missing)
+    copy(system.signals.rates, integration.state_rates[1 + stage])
     fill_load_powers(work, integration.load_powers[TRIED + stage])
     mass_times(system, work, u, integration.momenta[stage])
     split(system, work, missing, gaps, integration.steps[stage], integration.rest[stage])
@@ -316,13 +328,14 @@ def step_error(system: System, work: Work, integration: "RadauIntegration", h: f
         of_position[f] += REAL * h * y[f]
     add_free(system, work, integration.motions[STAGES - 1], y, speeds)
     add_free(system, work, integration.motions[STAGES - 1], of_position, shifts)
-    total, first = 0.0, clock["counted"] - n
+    total, first = 0.0, first_speed(system)
     for k in range(n):
         scale = tolerance(
             clock, integration.units[first + k], max(abs(u[k]), abs(integration.speeds[STAGES - 1, k]))
         )
         total += (speeds[k] / scale) ** 2
         total += (shifts[k] / displacement_tolerance(clock, system.speed_scale[k])) ** 2
+    total += error_of_stages(system, integration, integration.state_rates[START], ERROR, REAL * h)
     return (total / (2.0 * n)) ** 0.5
 
 
@@ -341,7 +354,7 @@ def work_scale(integration: "RadauIntegration"):
     """The work that the tolerance allows to be wrong, J: its own, and what that of the speeds allows."""
     clock, u = integration.clock[0], integration.speeds[STAGES - 1]
     last = clock["counted"]
-    first = last - u.shape[0]
+    first = last - u.shape[0] - integration.states.shape[1]
     scale = tolerance(clock, integration.units[last], abs(integration.z[last]))
     for k in range(u.shape[0]):
         allowed = tolerance(clock, integration.units[first + k], abs(u[k]))
@@ -411,6 +424,7 @@ def project_state(
     if code == SOLVED:
         mass_matrices(system, work, q)
         code = close_trial(system, work, integration, t)
+    take_states(system.signals, integration.trial, q.shape[0] + u.shape[0])
     return accelerations(system, work, q, u, t, ud) if code == SOLVED else (code, 0.0)
 
 
@@ -461,7 +475,10 @@ def between(system: System, integration: "RadauIntegration", x: float, point: np
         )
         rates[4, i] /= h
     speeds_of_rates(bodies, point[:nq], rates[4], point[nq : nq + n])
-    last = nq + n
+    last = clock["counted"]
+    for k in range(integration.states.shape[1]):
+        i, rates_of = nq + n + k, integration.state_rates
+        point[i] = cubic(x, old[i], z[i], h * rates_of[BEHIND_STEP, k], h * rates_of[START, k])
     point[last] = cubic(
         x, old[last], z[last], h * integration.memory[0]["old_power"], h * integration.memory[0]["power"]
     )

@@ -16,6 +16,7 @@ from ..constrained.time_functions import function_values
 from ..contact_sets import answer_set
 from ..laws import COORDINATE, EFFORT, ENERGY, NO_LENGTH, POWER, SPEED, answer_law
 from ..linalg.vec3 import accumulate, column, cross, dot, inward, minus, outward, plus, scaled, store, triple
+from ..signals import evaluate_signals
 from .kinematics import _along_axes
 
 if TYPE_CHECKING:
@@ -29,31 +30,62 @@ IN_COORDINATE, IN_LINE, ALONG, ABOUT, BETWEEN, PUSHED, TWISTED = 0, 1, 2, 3, 4, 
 def answer_elements(
     tree: "TreeArrays", work: np.ndarray, t: float, q: np.ndarray, y: np.ndarray, coordinates: np.ndarray
 ) -> None:
-    """Fill the answers of all elements, frames being placed, and add their efforts along coordinates."""
-    for i in range(tree.elements.shape[0]):
-        element, answer, directed = tree.elements[i], tree.answers[i], True
-        if element["measure"] == IN_COORDINATE:
-            answer[COORDINATE], answer[SPEED] = q[element["coordinate"]], y[element["coordinate"]]
-            if element["curve"] >= 0:
-                cam = element["cam"]
-                value, slope, _ = function_values(tree.curves, tree.knots, element["curve"], q[cam])
-                element["slope"] = slope
-                answer[COORDINATE] -= value
-                answer[SPEED] -= slope * y[cam]
-        elif element["measure"] == BETWEEN:
-            _answer_contact(tree, element, work, q, y, coordinates, answer)
-            continue
-        else:
-            directed = _measure(element, work, q, y, answer)
-        effort = answer_law(element, tree.curves, tree.knots, min(t, element["until"]), directed, answer)
-        if element["measure"] == IN_COORDINATE:
-            coordinates[element["coordinate"]]["effort"] += effort
-            if element["curve"] >= 0:
-                coordinates[element["cam"]]["effort"] -= element["slope"] * effort
-        elif element["measure"] != ABOUT:
-            force = scaled(effort, triple(element["force"], 0))
-            _push_node(element["node_j"], inward(work[element["frame_j"]]["axes"], force), 1.0, coordinates)
-            _push_node(element["node_i"], inward(work[element["frame_i"]]["axes"], force), -1.0, coordinates)
+    """Fill the answers of all elements, frames being placed, and add their efforts along coordinates.
+
+    Signals follow from those of elements that no signal drives, and these from them.
+    """
+    signals = tree.signals.records.shape[0] > 0
+    for turn in range(2 if signals else 1):
+        for i in range(tree.elements.shape[0]):
+            if tree.elements[i]["driven"] == turn:
+                _answer_element(tree, work, t, q, y, coordinates, i)
+        if signals and turn == 0:
+            for i in range(tree.sensors.shape[0]):
+                _fill_coordinate(tree, work, q, y, tree.sensors[i], tree.signals.sensed[i])
+            evaluate_signals(tree.signals, tree.curves, tree.knots, tree.answers, t)
+
+
+@part
+def _answer_element(
+    tree: "TreeArrays",
+    work: np.ndarray,
+    t: float,
+    q: np.ndarray,
+    y: np.ndarray,
+    coordinates: np.ndarray,
+    i: int,
+) -> None:
+    element, answer = tree.elements[i], tree.answers[i]
+    if element["measure"] == BETWEEN:
+        _answer_contact(tree, element, work, q, y, coordinates, answer)
+        return
+    directed = _fill_coordinate(tree, work, q, y, element, answer)
+    effort = answer_law(element, tree.curves, tree.knots, min(t, element["until"]), directed, answer)
+    if element["measure"] == IN_COORDINATE:
+        coordinates[element["coordinate"]]["effort"] += effort
+        if element["curve"] >= 0:
+            coordinates[element["cam"]]["effort"] -= element["slope"] * effort
+    elif element["measure"] != ABOUT:
+        force = scaled(effort, triple(element["force"], 0))
+        _push_node(element["node_j"], inward(work[element["frame_j"]]["axes"], force), 1.0, coordinates)
+        _push_node(element["node_i"], inward(work[element["frame_i"]]["axes"], force), -1.0, coordinates)
+
+
+@part
+def _fill_coordinate(
+    tree: "TreeArrays", work: np.ndarray, q: np.ndarray, y: np.ndarray, element: np.void, answer: np.ndarray
+) -> bool:
+    """Fill the coordinate of an element or sensor and its rate; return whether it has a direction."""
+    if element["measure"] != IN_COORDINATE:
+        return _measure(element, work, q, y, answer)
+    answer[COORDINATE], answer[SPEED] = q[element["coordinate"]], y[element["coordinate"]]
+    if element["curve"] >= 0:
+        cam = element["cam"]
+        value, slope, _ = function_values(tree.curves, tree.knots, element["curve"], q[cam])
+        element["slope"] = slope
+        answer[COORDINATE] -= value
+        answer[SPEED] -= slope * y[cam]
+    return True
 
 
 @kernel

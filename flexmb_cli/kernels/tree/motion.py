@@ -1,7 +1,8 @@
 """The motion of a tree as a first-order system z' = f(t, z): DAFMS thesis (1992), eqs. (2.23) and (3.16).
 
 z holds the NS speeds, the NS coordinates, four Euler parameters for each hinge with three rotations, the
-works of E elements, and last the work that has been applied; errors of works do not count.
+states of signals, the works of E elements, and last the work that has been applied; errors of works do not
+count.
 """
 
 import math
@@ -13,6 +14,7 @@ from .._jit import allocating, kernel, plain
 from ..laws import COORDINATE
 from ..linalg.number_rows import block
 from ..linalg.vec3 import cross, plus, scaled, store, triple
+from ..signals import give_rates, take_states
 from .elements import element_powers
 from .energy import applied_power
 from .kane import SOLVED, accelerations
@@ -47,9 +49,12 @@ def derivative(
     y, q, attitudes = parts(tree, z)
     yd, qd, rates = parts(tree, dz)
     set_prescribed(tree, t, q, y, coordinates)
+    states = 2 * y.shape[0] + 4 * tree.balls
+    take_states(tree.signals, z, states)
     fault = accelerations(tree, work, coordinates, t, q, y, attitudes)
     if fault != SOLVED:
         return fault
+    give_rates(tree.signals, dz, states)
     for m in range(y.shape[0]):
         yd[m] = coordinates[m]["rate"]
         qd[m] = y[m]

@@ -6,6 +6,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..linalg.number_rows import copy
+from ..signals import VALUE
 from .energy import energies
 from .hinge_forces import set_reactions
 from .motion import parts
@@ -26,6 +27,7 @@ class Report(NamedTuple):
     audit: np.ndarray  # (T, 5) kinetic, potential, strain energy, J, largest gap, m, its rate, m/s
     answers: np.ndarray  # (T, E, 8) of the elements, SI units
     drives: np.ndarray  # (T, prescribed) efforts along prescribed coordinates, N or N m
+    signals: np.ndarray  # (T, S) values of signals, SI units
     reactions: np.ndarray  # (T, F, 6) force of its hinge on every frame, N, and moment about its origin, N m
 
 
@@ -43,6 +45,8 @@ def observe(
         report.closures[row, j] = tree.closures[j]
     for i in range(tree.answers.shape[0]):
         copy(tree.answers[i], report.answers[row, i])
+    for i in range(tree.signals.values.shape[0]):
+        report.signals[row, i] = tree.signals.values[i, VALUE]
     for i in range(tree.prescribed.shape[0]):
         report.drives[row, i] = coordinates[tree.prescribed[i]["coordinate"]]["drive"]
     if not tree.one_way:

@@ -38,6 +38,7 @@ def dynamic_arrays(model: DynamicModel) -> DynamicArrays:
     )
     elements = young_elements(table, model)
     loads = elements.loads(_loads(table, model), model.springs)
+    signals = elements.signal_arrays(len(model.forces) + len(model.torques) + len(model.springs))
     collected = table.arrays()
     return DynamicArrays(
         body_names=kinematic.body_names,
@@ -53,6 +54,7 @@ def dynamic_arrays(model: DynamicModel) -> DynamicArrays:
         flexible=np.zeros(0, FLEXIBLE),
         modal=np.zeros(0),
         loads=loads,
+        **signals,
         gravity=np.array(model.gravity, dtype=float),
         kinematic=kinematic,
         **collected,

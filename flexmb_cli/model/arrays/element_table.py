@@ -13,8 +13,21 @@ import numpy as np
 from ..flexible_mechanism import NodePoint, PointJoint
 from ..joint_elements import COORDINATES_OF, JointElements
 from ..joints import ANGLE, BY_NAME, PITCH, STROKE
-from ..laws import FRICTION, SPRING, At, Cam, Element, Frames, Line, Push, Touch, is_angle
-from ..time_functions import MotionFunction
+from ..laws import (
+    FRICTION,
+    SPRING,
+    Along,
+    At,
+    Cam,
+    Element,
+    Frames,
+    Line,
+    Push,
+    Touch,
+    is_angle,
+    parts_by_name,
+)
+from ..time_functions import SIGNAL, MotionFunction
 from .constraint_table import PrimitiveTable
 from .contacts import END, fill_contact
 from .function_table import fill_bushing, fill_law
@@ -30,6 +43,7 @@ from .records import (
     line_primitive,
 )
 from .records import FRICTION as FRICTION_LOAD
+from .signals import signal_arrays
 from .tracks import add_curve
 
 if TYPE_CHECKING:
@@ -170,7 +184,28 @@ class ElementTable:
         found += [self._load(item) for item in forces if item.law is not FRICTION]
         found += [self._probe(track) for track in self.table.tracks]
         found += [self._friction(item) for item in forces if item.law is FRICTION]
-        return np.concatenate([np.zeros(0, LOAD), *map(np.atleast_1d, found)])
+        loads: np.ndarray = np.concatenate([np.zeros(0, LOAD), *map(np.atleast_1d, found)])
+        for k in np.flatnonzero(loads["function"] >= 0):
+            loads["driven"][k] = self.table.functions[loads["function"][k]]["kind"] == SIGNAL
+        return loads
+
+    def signal_arrays(self, first: int) -> dict[str, Any]:
+        """LOAD records of sensors, and the signals; answers of force elements begin with number `first`."""
+        signals = self.elements.signals
+        sensors = [self._sensor(item.measure) for item in signals if item.measure is not None]
+        parts = [*(first * [""]), *parts_by_name(self.elements.forces)]
+        return {"sensors": np.array(sensors, LOAD), "signals": signal_arrays(signals, self.table, parts)}
+
+    def _sensor(self, measure: Any) -> Any:
+        if isinstance(measure, At):
+            return self._at(measure)
+        record = self._line(measure)
+        if isinstance(measure, Along):
+            head, tail = self._end(measure.j, measure.P_j), self._end(measure.i, measure.P_i)
+            axis = self.table.body_vector(measure.i, np.eye(3)[measure.axis])
+            record["in_line"] = 0
+            record["primitive"] = self.table.spring(self.table.product((head, tail), axis))
+        return record
 
     def _load(self, item: Element) -> Any:
         """The LOAD record of an element, or its six."""

@@ -27,6 +27,8 @@ def flexible_arrays(mechanism: FlexibleMechanism) -> SystemArrays:
     add_motions(table, mechanism)
     elements = _elements(table, mechanism)
     loads = elements.loads(_loads(table, mechanism), mechanism.springs)
+    first = len(mechanism.forces) + len(mechanism.torques) + len(mechanism.springs)
+    signals = elements.signal_arrays(first)
     flexible, modal = _flexible(bodies)
     modes = np.concatenate([np.zeros(0), *(_mode_scale(body, length) for body in bodies)])
     return SystemArrays(
@@ -41,6 +43,7 @@ def flexible_arrays(mechanism: FlexibleMechanism) -> SystemArrays:
         modal=modal,
         loads=loads,
         gravity=np.array(mechanism.gravity, dtype=float),
+        **signals,
         **table.arrays(),
     )
 

@@ -5,8 +5,18 @@ from typing import Any
 
 import numpy as np
 
-from ..laws import NUMBER, OF_COORDINATE, OF_TIME, SPRING, Element, Law
-from ..time_functions import COMPOUND, HELD_TABLE, PERIODIC, PIECEWISE, TABLE, MotionFunction, integral_of
+from ..laws import FUNCTIONS, NUMBER, OF_COORDINATE, OF_TIME, SPRING, Element, Law
+from ..time_functions import (
+    COMPOUND,
+    HELD_TABLE,
+    PERIODIC,
+    PIECEWISE,
+    SIGNAL,
+    TABLE,
+    MotionFunction,
+    integral_of,
+    is_signal,
+)
 from .records import FUNCTION, NONE, function_record
 
 OF_A_COORDINATE = 1.0  # in c[3] of a function of pieces whose argument is no time
@@ -15,6 +25,8 @@ OF_A_COORDINATE = 1.0  # in c[3] of a function of pieces whose argument is no ti
 def fill_law(record: Any, law: Law, values: tuple[Any, ...], table: "FunctionTable | None" = None) -> Any:
     """Fill the law of a record by values of its parameters; functions join those of the table."""
     record["shape"], record["f"] = law.code, NONE
+    functions_of = zip(law.parameters, values, strict=True)
+    record["driven"] = any(p.kind in FUNCTIONS and is_signal(value) for p, value in functions_of)
     numbers = functions = 0
     for p, value in zip(law.parameters, values, strict=True):
         if p.kind == NUMBER:
@@ -27,8 +39,9 @@ def fill_law(record: Any, law: Law, values: tuple[Any, ...], table: "FunctionTab
         if p.kind == OF_COORDINATE:
             if value is not None and table is not None:
                 energy = integral_of(value)
-                assert energy is not None, "a curve is no product"
-                record["f"][..., functions] = table.function(energy, of_time=False)
+                # A signal has no potential.
+                if energy is not None:
+                    record["f"][..., functions] = table.function(energy, of_time=False)
             functions += 1
     return record
 
@@ -47,6 +60,7 @@ class FunctionTable:
     def __init__(self) -> None:
         self.functions: list[np.ndarray] = []
         self.knots: list[np.ndarray] = [np.zeros((0, 3))]
+        self._signals: dict[int, int] = {}  # numbers of functions by those of signals
 
     def function(self, function: MotionFunction, of_time: bool = True) -> int:
         """Number of a function; one that is not `of_time` has a coordinate or its rate as argument."""
@@ -54,6 +68,11 @@ class FunctionTable:
             return self.of_knots(
                 function.kind, np.column_stack([function.times, function.values, function.curvature])
             )
+        if function.kind == SIGNAL:
+            signal = int(function.c[0])
+            if signal not in self._signals:
+                self._signals[signal] = self.of_knots(SIGNAL, np.zeros((1, 3)))
+            return self._signals[signal]
         if function.kind == PIECEWISE:
             return self._pieces(function.pieces, of_time)
         if function.kind == PERIODIC:
@@ -79,6 +98,11 @@ class FunctionTable:
         first = sum(map(len, self.knots))
         self.knots.append(knots)
         return self._add(function_record(kind, c, first=first, last=first + len(knots) - 1))
+
+    def knot_of_signal(self, signal: int) -> int:
+        """Return the row of knots from which functions take the value of a signal, -1 if none does."""
+        number = self._signals.get(signal)
+        return NONE if number is None else int(self.functions[number]["first"])
 
     def _add(self, record: np.ndarray) -> int:
         self.functions.append(record)

@@ -19,6 +19,7 @@ LAW = np.dtype(
         ("c", np.float64, 10),  # its numbers in their order, SI units; of a motor a constant effort
         # Its functions in their order, -1: none; behind one of the coordinate its integral.
         ("f", np.int64, 3),
+        ("driven", np.int64),  # 1: by a signal, 0: by none
     ]
 )
 

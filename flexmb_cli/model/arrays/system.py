@@ -1,11 +1,13 @@
 """Arrays of a mechanism for the kernels of constrained dynamics, and the names that go with them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..joints import Equation
 from .contacts import Contacts
+from .records import LOAD
+from .signals import Signals, signal_arrays
 
 SPEEDS_OF_BODY = ("vx", "vy", "vz", "ωx", "ωy", "ωz")
 
@@ -40,6 +42,8 @@ class SystemArrays:
     knots: np.ndarray  # (k, 3)
     gravity: np.ndarray  # (3,) global axes, m/s²
     contacts: Contacts  # of its loads
+    sensors: np.ndarray = field(kw_only=True, default_factory=lambda: np.zeros(0, LOAD))  # LOAD, of sensors
+    signals: Signals = field(kw_only=True, default_factory=lambda: signal_arrays(()))
 
     @property
     def bodies(self) -> int:
@@ -50,6 +54,11 @@ class SystemArrays:
     def speeds(self) -> int:
         """Number of speeds."""
         return self.speed_scale.size
+
+    @property
+    def place_of_work(self) -> int:
+        """Return the place of the work of drivers and loads in a state."""
+        return 2 * self.speeds + self.bodies + len(self.signals.states)
 
     def speed_name(self, k: int) -> str:
         """Readable name of a speed, such as "body 2 vx" or "body 1 mode 3"."""

@@ -16,6 +16,7 @@ from ..laws import FRICTION
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from .contacts import Contacts
 from .node_frames import NodeFrames, empty_node_frames
+from .signals import Signals
 from .tree_elements import CLOSURE_ROW, REPEATED, TreeElements
 from .tree_frames import NODAL_MASS, tree_frames
 
@@ -99,6 +100,8 @@ class TreeArrays(NamedTuple):
     joint_forces: np.ndarray  # (1 + m, m, 5) as `dry_friction.fill_normal_forces` takes them, N
     normals: np.ndarray  # (m,) normal forces, N
     answers: np.ndarray  # (E + m, 8) what they answered last, SI units, columns of `kernels.laws`
+    sensors: np.ndarray  # TREE_ELEMENT records of sensors
+    signals: Signals  # what is made of them, and of elements
     curves: np.ndarray  # FUNCTION records of `records`: those of elements, drivers and torques
     knots: np.ndarray  # (k, 3) their knots, units of the functions
     contacts: Contacts  # of its elements

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..laws import FRICTION, At, Cam, Frames, Push, Touch
+from ..laws import FRICTION, Along, At, Cam, Frames, Push, Touch, parts_by_name
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from .contacts import END, ContactTable, columns_of_answers, fill_contact
 from .function_table import FunctionTable, fill_bushing, fill_law
 from .records import LAW
+from .signals import signal_arrays
 
 if TYPE_CHECKING:
     from ..flexible_mechanism import NodePoint
@@ -101,7 +102,10 @@ class TreeElements:
 
     def arrays(self) -> dict[str, Any]:
         """Fields of TreeArrays; drivers must have been added."""
-        elements, frictions = self._elements(), self._frictions()
+        elements, frictions, sensors = self._elements(), self._frictions(), self._sensors()
+        signals = signal_arrays(
+            self.tree.elements.signals, self.table, parts_by_name(self.tree.elements.forces)
+        )
         m, curves = frictions.size, self.table.function_arrays()
         return {
             "elements": elements,
@@ -109,6 +113,8 @@ class TreeElements:
             "joint_forces": np.zeros((1 + m, m, 5)),
             "normals": np.zeros(m),
             "answers": np.zeros((elements.size + m, columns_of_answers(elements))),
+            "sensors": sensors,
+            "signals": signals,
             "curves": curves["functions"],
             "knots": curves["knots"],
             "contacts": self._contacts.arrays(),
@@ -133,20 +139,33 @@ class TreeElements:
                 row["cam"] = self.coordinate(*item.terms[-1][:2])
         return found
 
+    def _sensors(self) -> np.ndarray:
+        """The TREE_ELEMENT records that the sensors of signals measure by."""
+        signals = [signal for signal in self.tree.elements.signals if signal.measure is not None]
+        found = np.zeros(len(signals), TREE_ELEMENT)
+        for k, signal in enumerate(signals):
+            self._measure(found[k : k + 1], signal.measure)
+        return found
+
+    def _measure(self, records: Any, measure: Any) -> None:
+        records["curve"] = -1
+        if isinstance(measure, At | Cam):
+            records["measure"], records["coordinate"] = IN_COORDINATE, self.coordinate(*measure[:2])
+            if isinstance(measure, Cam):
+                records["cam"] = self.coordinate(*measure[2:4])
+                records["curve"] = self.table.function(measure.function, of_time=False)
+        elif not isinstance(measure, Touch):
+            self._place(records, measure)
+        if isinstance(measure, Along):
+            records["measure"], records["axis"] = ALONG, measure.axis
+
     def _elements(self) -> np.ndarray:
         """The TREE_ELEMENT records: those of `names_of` without friction."""
         forces = [item for item in self.tree.elements.forces if item.law is not FRICTION]
         found, at = np.zeros(sum(len(item.parts) for item in forces), TREE_ELEMENT), 0
         for item in forces:
             records = found[at : at + len(item.parts)]
-            records["curve"] = -1
-            if isinstance(item.measure, At | Cam):
-                records["measure"], records["coordinate"] = IN_COORDINATE, self.coordinate(*item.measure[:2])
-                if isinstance(item.measure, Cam):
-                    records["cam"] = self.coordinate(*item.measure[2:4])
-                    records["curve"] = self.table.function(item.measure.function, of_time=False)
-            elif not isinstance(item.measure, Touch):
-                self._place(records, item.measure)
+            self._measure(records, item.measure)
             if isinstance(item.measure, Frames):
                 records["measure"], records["axis"] = 3 * [ALONG] + 3 * [ABOUT], 2 * [0, 1, 2]
                 fill_bushing(records, item)

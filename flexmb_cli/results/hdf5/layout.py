@@ -149,7 +149,7 @@ def with_shapes(layout: Layout, shapes: Sequence["Shape"]) -> Layout:
 
 
 COORDINATE, ELEMENT, COUPLING = "coordinate/coordinate", "element/element", "coupling/coupling"
-CONTACTS = "contact/contact"
+CONTACTS, SIGNALS = "contact/contact", "signal/signal"
 JOINT_SERIES = {
     "joint_coordinate": Series(
         "coordinate/q", (COORDINATE,), "rad or m", "joint coordinate, 0 at the deck's estimates"
@@ -199,7 +199,8 @@ CURVE_SERIES = {
         ("force", (CURVES, "xyz"), "N", "force of the curve on the point, global axes"),
     )
 }
-OF_ELEMENTS = ELEMENT_SERIES | COUPLING_SERIES | CONTACT_SERIES | CURVE_SERIES
+SIGNAL_SERIES = {"signal_value": Series("signal/value", (SIGNALS,), "1", "value of the signal, SI units")}
+OF_ELEMENTS = ELEMENT_SERIES | COUPLING_SERIES | CONTACT_SERIES | CURVE_SERIES | SIGNAL_SERIES
 
 
 def with_elements(layout: Layout, elements: JointElements, springs: Sequence[Element] = ()) -> Layout:
@@ -216,6 +217,8 @@ def with_elements(layout: Layout, elements: JointElements, springs: Sequence[Ele
         axes.append(numbered_axis("contact", contacts))
     if elements.curves:
         axes.append(numbered_axis("curve", [curve.name for curve in elements.curves]))
+    if signals := [signal.name for signal in elements.signals if signal.name]:
+        axes.append(numbered_axis("signal", signals))
     present = {axis.path for axis in axes}
     # What all elements together dissipate has no axis, but belongs to theirs.
     series = [item for item in OF_ELEMENTS.values() if present.issuperset(item.axes or (ELEMENT,))]

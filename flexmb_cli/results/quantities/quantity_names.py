@@ -32,6 +32,7 @@ FORMS = {
     "body/angular_velocity": ("body.{0}.omega.{1}", "body.{0}.angular_velocity.{1}"),
     "body/angular_acceleration": ("body.{0}.alpha.{1}", "body.{0}.angular_acceleration.{1}"),
     "point/position": ("point.{0}.{1}", "point.{0}.position.{1}"),
+    "signal/value": ("signal.{0}", "signal.{0}.value"),
     "coordinate/q": ("coordinate.{0}", "coordinate.{0}.q"),
     "elastic/displacement": ("elastic.{item}.{0}.{1}", "elastic.{item}.{0}.displacement.{1}"),
     **{f"{quantity}/{kind}_tensor": (f"{quantity}.{{item}}.{{0}}.{{1}}",)

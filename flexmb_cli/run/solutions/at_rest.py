@@ -1,26 +1,46 @@
 """Runs that begin at rest in an equilibrium, `--from-equilibrium`."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from ...errors import Fault, ModelError
 from ...model.mechanism import TimeGrid
+from ...model.signals import Signal
 from ..outcome import Run
 
+_STATES = (
+    "has states of its own, which --from-equilibrium does not bring to rest; leave out the option, or begin "
+    "where the motion is at rest"
+)
 
-def begin_at_rest(analysis: Any, again: Callable[[], Any], run: Run, speeds: int, grid: TimeGrid) -> None:
+
+def begin_at_rest(
+    analysis: Any, again: Callable[[], Any], run: Run, speeds: int, grid: TimeGrid, signals: Sequence[Signal]
+) -> None:
     """Have `analysis` begin in the equilibrium that a second one of the same model, `again()`, falls into.
 
-    `speeds`: how many the model has.  Raises AnalysisError if none is found.
+    `speeds`: how many the model has.  Raises AnalysisError if none is found, ModelError for signals with
+    states, whose values at rest are not searched.
     """
     if not run.options.from_equilibrium:
         return
+    _refuse_states(signals)
     # Modes and their models are for runs with this option only.
     from ...solvers.linearisation.equilibrium import rest_of
     from ..mechanism_modes import Wish, kernels_for
 
     with kernels_for(speeds, Wish(None, True), grid, run.listener):
         analysis.rest = rest_of(again(), analysis.warnings)
+
+
+def _refuse_states(signals: Sequence[Signal]) -> None:
+    faults = [
+        Fault("error", _STATES, signal.place, signal.name, id="SOLVE-150")
+        for signal in signals
+        if signal.states
+    ]
+    if faults:
+        raise ModelError(faults)
 
 
 def refuse_rest(run: Run) -> None:

@@ -88,7 +88,12 @@ def _stepped(model: DynamicModel, run: Run) -> "ForwardDynamics":
         set_tolerances(analysis, run.options, run.outcome)
         mechanism = model.mechanism
         begin_at_rest(
-            analysis, partial(ForwardDynamics, model), run, 6 * len(mechanism.bodies), mechanism.time
+            analysis,
+            partial(ForwardDynamics, model),
+            run,
+            6 * len(mechanism.bodies),
+            mechanism.time,
+            model.elements.signals,
         )
     announce_compiling(run.listener, analysis.integrator.entry)
     return analysis

@@ -56,16 +56,24 @@ def as_asked(mechanism: FlexibleMechanism, given: Mapping[str, Any]) -> Flexible
 def _digest(system: Any) -> str:
     """A digest of the reduced bodies: a deck names files that may have changed since."""
     digest = sha256()
-    for array in system._replace(
-        contacts=system.contacts.touches["offset_j"]
-    ):  # the rest of contacts changes with time
-        digest.update(array.tobytes())
+    # The rest of contacts changes with time, and what signals do is in the deck.
+    arrays = system._replace(contacts=system.contacts.touches["offset_j"])._asdict()
+    for name, array in arrays.items():
+        if name != "signals":
+            digest.update(array.tobytes())
     return digest.hexdigest()
 
 
 def _analysis(mechanism: FlexibleMechanism, run: Run) -> FlexibleDynamics:
     analysis = FlexibleDynamics(mechanism)
     set_tolerances(analysis, run.options, run.outcome)
-    begin_at_rest(analysis, partial(FlexibleDynamics, mechanism), run, analysis.arrays.speeds, mechanism.time)
+    begin_at_rest(
+        analysis,
+        partial(FlexibleDynamics, mechanism),
+        run,
+        analysis.arrays.speeds,
+        mechanism.time,
+        mechanism.elements.signals,
+    )
     announce_compiling(run.listener, analysis.integrator.entry)
     return analysis

@@ -60,7 +60,8 @@ def kane_analysis(tree: Tree, run: Run) -> "TreeAnalysis":
 
     announce_compiling(run.listener, "integrators.tree_dop853.integrate_rows")
     analysis = TreeAnalysis(tree)
-    begin_at_rest(analysis, partial(TreeAnalysis, tree), run, len(tree.coordinates), tree.time)
+    signals = tree.elements.signals
+    begin_at_rest(analysis, partial(TreeAnalysis, tree), run, len(tree.coordinates), tree.time, signals)
     return analysis
 
 

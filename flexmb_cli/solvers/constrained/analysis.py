@@ -7,14 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...kernels.constrained.accelerations import evaluate_jacobian, factorise_order
+from ...kernels.constrained.accelerations import accelerations, evaluate_jacobian, factorise_order
 from ...kernels.constrained.angle_unwrapping import EXPECTED, NEW, OLD, fill_angles
 from ...kernels.constrained.projection import project_position, project_speeds
 from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
 from ...kernels.integrators import clock as codes
+from ...model.arrays.signals import set_due
 from ...model.arrays.system import SystemArrays
 from ...model.joints import DEPENDENT
+from ...model.signals import SAME_SAMPLE, initial_states, is_sampled
 from ..assembly import TO_GAP
 from ..checkpoint import (
     arrays_in,
@@ -73,12 +75,15 @@ class ConstrainedMotion(ConstrainedState):
         self.resumed = False
         times = np.array([self.grid.time(k) for k in range(self.grid.rows)])
         end = times[-1]
-        stops = breakpoints(self, end)
+        signals, start = self.elements.signals, self.grid.start
+        stops = [*breakpoints(self, end), *([end] if is_sampled(signals, end - start) else [])]
         jumps = jumps_of_accelerations(self) if self.integrator.keeps_accelerations else frozenset()
         # A step that keeps accelerations ends just before they jump, and the next begins with those behind.
         landings = [np.nextafter(stop, -np.inf) if stop in jumps else stop for stop in stops]
-        parts = np.split(np.arange(times.size), np.searchsorted(times, landings, "right"))
-        for stop, rows in zip([*landings, end], parts, strict=True):
+        # Rows at samples are those after them.
+        ends = [t - SAME_SAMPLE * abs(t) if is_sampled(signals, t - start) else t for t in landings]
+        parts = np.split(np.arange(times.size), np.searchsorted(times, ends, "right"))
+        for k, (stop, rows) in enumerate(zip([*landings, end], parts, strict=True)):
             if stop < behind:
                 continue
             self.clock["stop"] = stop
@@ -88,10 +93,12 @@ class ConstrainedMotion(ConstrainedState):
                 self.row += report.times.size
                 yield from on_curves(self.elements, [self.block(report)])
             # To the very breakpoint, where there need not be a row.
-            for _ in self._reports(np.array([stop] if stop < end else [])):
+            for _ in self._reports(np.array([stop] if k < len(landings) else [])):
                 pass
             if np.nextafter(stop, np.inf) in jumps:
                 self._begin_anew(np.nextafter(stop, np.inf))
+            if k < len(landings) and self._sample():
+                self._begin_anew(stop)
         self.warnings += self.integrator.warnings(self.clock[0])
 
     @property
@@ -171,11 +178,27 @@ class ConstrainedMotion(ConstrainedState):
 
     def _begin_anew(self, t: float) -> None:
         """Go on at t, s, behind a jump of the accelerations, with those behind it; raises AnalysisError."""
-        memory, span = self.integration.memory, float(self.integration.memory["span"][0])
+        keeps, memory = self.integrator.type.radius is not None, getattr(self.integration, "memory", None)
+        span = memory["span"].copy() if memory is not None and keeps else 0.0
         self.clock["t"], self.clock["stop"] = t, self.grid.time(self.grid.rows - 1)
         self.clock["step"] = self.integrator.length
         self._begin()
-        memory["span"] = span
+        if memory is not None and keeps:
+            memory["span"] = span
+
+    def _sample(self) -> bool:
+        """Take the samples of signals that are due at the state; return whether there are any."""
+        signals, t, z = self.system.signals, float(self.clock["t"][0]), self.integration.z
+        if not set_due(signals, self.elements.signals, self.grid.start, t):
+            return False
+        n = self.arrays.coordinate_scale.size
+        end = n + self.arrays.speeds
+        self.work.angles[:] = self.integration.angles[NEW]
+        signals.states[:] = z[end : end + signals.states.size]
+        accelerations(self.system, self.work, z[:n], z[n:end], t, np.zeros(self.arrays.speeds))
+        z[end : end + signals.states.size] = signals.states
+        signals.records["due"] = 0
+        return True
 
     def _begin(self) -> None:
         """Choose the first step from where the integration stands; raises AnalysisError."""
@@ -195,6 +218,7 @@ class ConstrainedMotion(ConstrainedState):
             self._independence, self.work.quality[0] = independence(self.work), 0.0
         self.clock["t"] = self.grid.start
         self.clock["stop"] = self.grid.time(self.grid.rows - 1)
+        self._sample()
         self._begin()
         self.warnings += notes_of_pressed_elements(self.elements, self.arrays.loads, self.work.responses)
         return found
@@ -212,9 +236,11 @@ class ConstrainedMotion(ConstrainedState):
         found = self.found = order_of_elimination(self, q, grid.start)
         integration.z[: q.size] = self._first = q
         # Rates that contradict others are refused here: what is left does repeat others.
-        integration.z[q.size : q.size + self.arrays.speeds] = (
+        end = q.size + self.arrays.speeds
+        integration.z[q.size : end] = (
             start_speeds(self, q, grid.start) if self.rest is None else self.rest[q.size :]
         )
+        integration.z[end : end + len(self.arrays.signals.states)] = initial_states(self.elements.signals)
         refuse_coinciding_ends(self.system, self.work, chain(self.springs, self.elements.forces), grid.start)
         if found.redundant:
             self.warnings.append(repetition(found, self.usual_repetitions(q), *self.usual_words))

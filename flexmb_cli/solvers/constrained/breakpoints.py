@@ -9,6 +9,7 @@ from ...errors import Fault
 from ...model.arrays.function_table import break_times
 from ...model.arrays.records import ELEMENT, FRICTION
 from ...model.laws import MOTOR, SPRING
+from ...model.signals import sampling_times
 from ...model.time_functions import COMPOUND, PIECEWISE
 from ..table_times import jump_at, times_between
 from .state import ConstrainedState
@@ -25,9 +26,11 @@ def breakpoints(motion: ConstrainedState, end: float) -> list[float]:
     What a table does between two steps of any length would be stepped over, and no method keeps its
     order across a bend.
     """
+    samples = sampling_times(motion.elements.signals, motion.grid.start, end)
     if not motion.integrator.chosen:
-        return []
+        return times_between(samples, motion.grid.start, end)
     corners = {t for function in _tables(motion.system) for t in function.tolist()}
+    corners.update(samples)
     return times_between(corners | set(_rows_of_work(motion)), motion.grid.start, end)
 
 

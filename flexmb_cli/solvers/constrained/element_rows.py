@@ -37,6 +37,7 @@ class ElementAnswers:
     contact_force: np.ndarray  # (T, contacts, 3) on the second body, global axes, N
     contact_place: np.ndarray  # (T, contacts, 3) where it acts, global axes, m
     contact_touches: np.ndarray  # (T, contacts) how often it has begun
+    signal_value: np.ndarray  # (T, signals with names)
     contact_changed: np.ndarray  # (T, contacts) when it began or ended last, s
     curve_position: np.ndarray  # (T, curves) arc length from the curve's beginning, m
     curve_speed: np.ndarray  # (T, curves) its rate, m/s
@@ -130,12 +131,17 @@ def element_answers(report: Report, first: int, elements: JointElements) -> dict
     found = np.delete(answers, probes, axis=1), np.delete(works, probes, axis=1)
     return {
         **curve_motion(elements, tracks[..., COORDINATE], tracks[..., SPEED]),
-        **answers_of(elements, *found, springs),
+        **answers_of(elements, *found, report.signals, springs),
     }
 
 
-def answers_of(elements: JointElements, answers: np.ndarray, works: np.ndarray, springs: int = 0) -> Any:
-    """Fields of `ElementAnswers`: `answers` (T, E, columns) and `works` (T, E) begin with so many springs."""
+def answers_of(
+    elements: JointElements, answers: np.ndarray, works: np.ndarray, signals: np.ndarray, springs: int = 0
+) -> Any:
+    """Fields of `ElementAnswers`: `answers` (T, E, columns) and `works` (T, E) begin with so many springs.
+
+    signals (T, S): values of all signals.
+    """
     parts = parts_in_arrays(elements.forces)
     order = [*range(springs), *(springs + place for _, place in parts)]
     motors = np.array(springs * [False] + [item.law in DRIVING for item, _ in parts], bool)
@@ -145,6 +151,7 @@ def answers_of(elements: JointElements, answers: np.ndarray, works: np.ndarray, 
     return {
         **{f"element_{name}": found[..., column].copy() for name, column in columns.items()},
         "element_work": works,
+        "signal_value": signals[:, [k for k, s in enumerate(elements.signals) if s.name]] + 0.0,
         # 0 - x, unlike -x, leaves no negative zeros.
         "dissipated": 0.0 - np.sum(works[:, ~motors], axis=1),
         **_contacts(found[:, [springs + k for k, (item, _) in enumerate(parts) if item.law is CONTACT]]),

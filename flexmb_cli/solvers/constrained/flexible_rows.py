@@ -118,7 +118,7 @@ def flexible_rows(mechanism: FlexibleMechanism, arrays: SystemArrays, report: Re
         kinetic=report.audit[:, 0].copy(),
         potential=report.audit[:, 1].copy(),
         strain=report.audit[:, 2].copy(),
-        applied_work=report.states[:, 2 * arrays.speeds + arrays.bodies].copy(),
+        applied_work=report.states[:, arrays.place_of_work].copy(),
         applied_power=report.powers.copy(),
         constraint_residual=report.audit[:, 3].copy(),
         velocity_residual=report.audit[:, 4].copy(),

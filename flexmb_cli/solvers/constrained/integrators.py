@@ -53,12 +53,15 @@ class Steps:
         found: Callable[..., Any] = import_module(self._module).integrate_rows
         return found
 
-    def new_integration(self, work: "Work", angles: int, works: int) -> Any:
+    def new_integration(self, work: "Work", angles: int, works: int, states: int) -> Any:
         """Return an integration at time 0 with an empty state, for this work and so many angles.
 
-        The works of the first `works` loads are kept.  A given length of its steps is clock["step"].
+        The works of the first `works` loads are kept; `states`: those of signals.  A given length of its
+        steps is clock["step"].
         """
-        integration = import_module(self._module).new_integration(work, angles, works)
+        integration = import_module(self._module).new_integration(
+            work, angles, works, *([states] if states else [])
+        )
         integration.clock["step"] = self.length
         if self.type.radius is not None:
             integration.memory["rho"] = self._radius

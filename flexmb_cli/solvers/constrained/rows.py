@@ -60,7 +60,7 @@ def dynamic_rows(model: DynamicModel, report: Report) -> DynamicRows:
         **_forces(mechanism, report.wrenches, q[..., 3:]),
         kinetic=report.audit[:, 0].copy(),
         potential=report.audit[:, 1].copy(),
-        applied_work=report.states[:, 13 * bodies].copy(),
+        applied_work=report.states[:, 13 * bodies + sum(s.states for s in model.elements.signals)].copy(),
         applied_power=report.powers.copy(),
     )
 

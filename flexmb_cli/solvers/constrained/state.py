@@ -57,7 +57,9 @@ class ConstrainedState(ABC):
         self.loop_note: Fault | None = None  # on loops that close only nearly
         self._independence = 0.0  # of the equations when chosen, where loops close only nearly
         coordinates, n = arrays.coordinate_scale.size, arrays.speeds
-        self.integration = self.integrator.new_integration(self.work, arrays.angles.size, self.works)
+        self.integration = self.integrator.new_integration(
+            self.work, arrays.angles.size, self.works, len(arrays.signals.states)
+        )
         self.integration.units[:coordinates] = arrays.coordinate_scale
         self.integration.units[coordinates : coordinates + n] = arrays.speed_scale
         self.clock = self.integration.clock

@@ -35,10 +35,12 @@ def blank_report(arrays: SystemArrays, times: np.ndarray, works: int = 0) -> Rep
     """A report for the given times (T,), s; the works of the first `works` loads are kept."""
     rows, n = times.size, arrays.speeds
     return Report(
-        times, np.zeros((rows, 2 * n + arrays.bodies + 1 + works)), np.zeros((rows, n)),
+        times, np.zeros((rows, 2 * n + arrays.bodies + len(arrays.signals.states) + 1 + works)),
+        np.zeros((rows, n)),
         np.zeros((rows, len(arrays.groups), 2, 6)), np.zeros((rows, len(arrays.equations))), np.zeros(rows),
         np.zeros((rows, 5)), np.zeros((rows, len(arrays.loads), columns_of_answers(arrays.loads))),
         np.zeros((rows, len(arrays.joint_coordinates), 2)),
+        np.zeros((rows, len(arrays.signals.values))),
     )  # fmt: skip
 
 

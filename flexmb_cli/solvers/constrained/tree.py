@@ -151,8 +151,9 @@ def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple[Any, ...]) -> Syst
     elements.add_sums_and_cams()
     elements.add_drivers(tree.time.start)
     add_closures(table, tree)
-    loads = elements.loads(tree_loads(table, tree))
-    return replace(flexible_arrays(free), loads=loads, **table.arrays())
+    others = list(tree_loads(table, tree))
+    loads, signals = elements.loads(others), elements.signal_arrays(len(others))
+    return replace(flexible_arrays(free), loads=loads, **signals, **table.arrays())
 
 
 class Moving(NamedTuple):
@@ -211,7 +212,7 @@ def rows_of_bodies(
         angular_velocity=w,
         angular_acceleration=alpha,
         closure_force=_closure_forces(tree, arrays, report),
-        applied_work=report.states[:, 2 * arrays.speeds + arrays.bodies].copy(),
+        applied_work=report.states[:, arrays.place_of_work].copy(),
         audit=report.audit,
         reactions=np.zeros((len(report.times), 0, 6)),
     )

@@ -68,7 +68,7 @@ def with_answers(tree: Tree, rows: TreeRows, report: Any) -> TreeElementRows:
     return joined(
         TreeElementRows,
         rows,
-        **answers_of(tree.elements, report.answers, works),
+        **answers_of(tree.elements, report.answers, works, report.signals),
         coupling_effort=report.closures["force"][:, len(report.closures[0]) - len(scales) :] / scales,
         **curve_motion(tree.elements, tracks["parameter"], tracks["advance"]),
         curve_force=forces_on_curves(tree, rows),

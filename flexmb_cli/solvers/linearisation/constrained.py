@@ -34,7 +34,8 @@ class Modes:
     oscillating pairs, Hz; `damping` (k,): their damping ratios.  `shapes` (k, n): displacements of each mode,
     in the scale of the speeds, the largest part 1.  `growing`, `decaying`: exponents of the motions that grow
     or fade without oscillating, 1/s.  `unheld`: how many of the 2 f eigenvalues are zero but for round-off.
-    `constant`: whether the coefficients stay the same along the motion.
+    `constant`: whether the coefficients stay the same along the motion.  States of signals have eigenvalues,
+    too; `degrees_of_freedom` is f.
     """
 
     eigenvalues: np.ndarray
@@ -44,6 +45,7 @@ class Modes:
     growing: np.ndarray
     decaying: np.ndarray
     unheld: int
+    degrees_of_freedom: int
     constant: bool = True
 
 
@@ -66,7 +68,10 @@ class ConstrainedLinearised(LinearisedMotion):
         speeds = z[self.count : self.count + arrays.speeds]
         here = z[: self.count].copy(), speeds.copy(), float(analysis.clock["t"][0])
         self.q, self.u, self.t = state or here
-        at = self.q, self.u
+        self.signals = self.system.signals
+        end = self.count + arrays.speeds
+        self.states = z[end : end + self.signals.states.size].copy()
+        at = self.state_with(0.0 * self.states)
         self.scale, self.duration = arrays.speed_scale, analysis.grid.end - analysis.grid.start
         self.coordinates = JointCoordinates(arrays, axes)
         self.rate = self.rates(at, self.t)
@@ -144,6 +149,11 @@ class ConstrainedLinearised(LinearisedMotion):
         out[:bodies].reshape(-1, 6)[:, 3:] = np.cross(self.u[:bodies].reshape(-1, 6)[:, 3:], angles)
         return out
 
+    def state_with(self, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the state where the states of signals, which the kernels have at hand, are changed (s,)."""
+        self.signals.states[:] = self.states + change
+        return self.q, self.u
+
     def near(self, state: Any, t: float) -> "ConstrainedLinearised":
         """Return the same coordinates near a position and speeds, where they meet the constraints."""
         analysis, (q, u) = self.analysis, state
@@ -172,7 +182,7 @@ class ConstrainedLinearised(LinearisedMotion):
 def linearised(
     analysis: Any, formulation: Any = ConstrainedLinearised
 ) -> tuple[LinearisedMotion, np.ndarray, bool]:
-    """Return the motion linearised about the state of `analysis`, A (2 f, 2 f), and whether it is constant.
+    """Return the motion linearised about the state of `analysis`, A `with_states`, whether it is constant.
 
     Of the axes of `formulation` the first that make A constant are taken; where none do, the first.
     Raises AnalysisError at a singular position and where a motion has no inertia.
@@ -182,8 +192,8 @@ def linearised(
         motion = formulation(analysis, axes)
         A = motion.first_order()
         if motion.is_constant(A):
-            return motion, A, True
-        found.append((motion, A, False))
+            return motion, motion.with_states(A), True
+        found.append((motion, motion.with_states(A), False))
     return found[0]
 
 
@@ -193,7 +203,7 @@ def modes(analysis: "ForwardDynamics", formulation: type = ConstrainedLinearised
 
 
 def modes_of(motion: LinearisedMotion, A: np.ndarray, constant: bool) -> Modes:
-    """Return the modes of A (2 f, 2 f), and what neither oscillates nor is held."""
+    """Return the modes of A, as of `with_states`, and what neither oscillates nor is held."""
     f = motion.dofs
     values, vectors = np.linalg.eig(A)
     order = np.lexsort((values.imag, np.round(np.abs(values), 9)))
@@ -211,6 +221,7 @@ def modes_of(motion: LinearisedMotion, A: np.ndarray, constant: bool) -> Modes:
         growing=straight[straight > 0.0],
         decaying=straight[straight < 0.0],
         unheld=int(np.sum(~moving)),
+        degrees_of_freedom=f,
         constant=constant,
     )
 

@@ -58,6 +58,7 @@ class LinearisedMotion(ABC):
     axes: str
     t: float
     duration: float  # s, of the run
+    signals: Any  # `model.arrays.signals.Signals`
     u: np.ndarray  # (n,) speeds
     rate: np.ndarray  # (n,) their rates
 
@@ -111,6 +112,10 @@ class LinearisedMotion(ABC):
     @abstractmethod
     def stand_at(self, y: np.ndarray) -> None:
         """Put the analysis to the position displaced by y (scaled), its independent coordinates at rest."""
+
+    @abstractmethod
+    def state_with(self, change: np.ndarray) -> Any:
+        """Return the state where the states of signals are changed (s,)."""
 
     def acceleration_at(self, d: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return u' (n,) where the position is displaced by d and the speeds by w."""
@@ -190,6 +195,32 @@ class LinearisedMotion(ABC):
             A[:f, k] = (self.position_rates(d) + (self.L @ w if k >= f else 0.0)) / self.units
             A[f:, k] = self.speed_rates(w, self.variation(self.acceleration_at, d, w)) / self.units
         return A
+
+    def with_states(self, A: np.ndarray) -> np.ndarray:
+        """Return A (2 f + s, 2 f + s) with the s states of signals after y and v."""
+        f, s = self.dofs, self.signals.states.size
+        whole = np.zeros((2 * f + s, 2 * f + s))
+        whole[: 2 * f, : 2 * f] = A
+
+        def rates(d: np.ndarray, w: np.ndarray) -> np.ndarray:
+            self.acceleration_at(d, w)
+            found: np.ndarray = self.signals.rates.copy()
+            return found
+
+        for k, (d, w) in enumerate(self.tangents() if s else ()):
+            whole[2 * f :, k] = self.variation(rates, d, w)
+        for k, one in enumerate(np.eye(s)):
+            response = differentiated(lambda x, one=one: self._response_to_states(x * one), DIFFERENCE_STEP)
+            whole[f : 2 * f, 2 * f + k] = self.L @ response[:-s] / self.units
+            whole[2 * f :, 2 * f + k] = response[-s:]
+        return whole
+
+    def _response_to_states(self, change: np.ndarray) -> np.ndarray:
+        """Return u' and the rates of the states of signals that are changed (s,)."""
+        acceleration = self.rates(self.state_with(change), self.t)
+        self.state_with(np.zeros_like(change))
+        found: np.ndarray = np.concatenate([acceleration, self.signals.rates])
+        return found
 
     def is_constant(self, A: np.ndarray) -> bool:
         """Return whether the coefficients A stay the same along the motion.

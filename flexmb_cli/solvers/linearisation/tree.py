@@ -43,6 +43,7 @@ class TreeLinearised(LinearisedMotion):
         self.z, self.t = state or (analysis.state.copy(), float(analysis.clock["t"][0]))
         if state is None:
             hold_functions_at(analysis, self.t)
+        self.signals = self.arrays.signals
         grid = analysis.tree.time
         self.scale, self.duration = _scales(analysis.tree), grid.end - grid.start
         repeated = float(np.max(self.arrays.closures["repeated"], initial=REPEATED))
@@ -134,6 +135,12 @@ class TreeLinearised(LinearisedMotion):
             own = slice(frame["first_rotation"], frame["first_rotation"] + 3)
             out[own] = -np.cross(self.u[own], d[own])
         return out
+
+    def state_with(self, change: np.ndarray) -> np.ndarray:
+        """Return the state where the states of signals are changed (s,)."""
+        z, first = self.z.copy(), 2 * self.scale.size + 4 * self.arrays.balls
+        z[first : first + change.size] += change
+        return z
 
     def near(self, state: np.ndarray, t: float) -> "TreeLinearised":
         """Return the same coordinates near a state, where it closes the loops."""

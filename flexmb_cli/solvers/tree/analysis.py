@@ -9,8 +9,10 @@ import numpy as np
 
 from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
+from ...model.arrays.signals import set_due
 from ...model.arrays.tree import TreeArrays
 from ...model.integrators import LIBRARY_TREE_METHODS, steps_at_limit
+from ...model.signals import is_sampled
 from ...model.tree import Tree
 from ..checkpoint import contacts_in, restore_contacts, row_of, taken, taken_clock
 from ..curve_ends import on_curves
@@ -99,7 +101,10 @@ class TreeAnalysis(TreeSteps):
         grid = self.tree.time
         end = grid.time(grid.rows - 1)
         refuse_jumps(self.tree)
-        for stop in [*breakpoints(self.tree, float(self.clock["t"][0]), end), end]:
+        stops = [*breakpoints(self.tree, float(self.clock["t"][0]), end), end]
+        if is_sampled(self.tree.elements.signals, end - grid.start):
+            stops.append(end)
+        for stop in stops:
             self._start_interval(stop)
             try:
                 yield from on_curves(self.tree.elements, self._rows_up_to(stop))
@@ -129,6 +134,8 @@ class TreeAnalysis(TreeSteps):
             assemble_tree(self)
             if self.rest is not None:
                 self.state[:] = self.rest
+        if not self.resumed:
+            self._sample()
         begin = tree_dop853.BEGIN_STEPS if self.in_body_axes else codes.BEGIN
         code = self.evaluate() if self.resumed else self.call(begin)
         if self._contacts and code != codes.NO_INERTIA:
@@ -144,6 +151,17 @@ class TreeAnalysis(TreeSteps):
             if self.repeated.any():
                 self._warn_of_repetition(self.repeated)
 
+    def _sample(self) -> None:
+        """Take the samples of signals that are due at the state, which is in axes of the hinges."""
+        signals, t = self.arrays.signals, float(self.clock["t"][0])
+        if not set_due(signals, self.tree.elements.signals, self.tree.time.start, t):
+            return
+        self.call(tree_dop853.GO_ON)
+        self.sampled_at = t
+        first = 2 * len(self.coordinates) + 4 * self.arrays.balls
+        self.state[first : first + signals.states.size] = signals.states
+        signals.records["due"] = 0
+
     def _warn_of_repetition(self, repeated: np.ndarray) -> None:
         from .loop_assembly import repetition
 
@@ -152,5 +170,5 @@ class TreeAnalysis(TreeSteps):
 
 def hold_functions(arrays: TreeArrays, end: float) -> None:
     """Have functions of time, which may jump at the end of an interval, hold what they are just before it."""
-    for records in (arrays.elements, arrays.prescribed, arrays.torques):
+    for records in (arrays.elements, arrays.prescribed, arrays.torques, arrays.signals.records):
         records["until"] = np.nextafter(end, -np.inf)

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from ...errors import AnalysisError, Fault
 from ...model.laws import DRIVING
+from ...model.signals import TIME_SIGNAL, sampling_times
 from ...model.time_functions import corners
 from ...model.tree import Tree
 from ...model.unit_checks import uneven_masses
@@ -16,7 +17,9 @@ def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
     functions = [item["function"] for law in DRIVING for item in elements.of(law)]
     functions += [item.function for item in elements.drivers]
     functions += [torque.function for torque in tree.torques]
-    return times_between([t for function in functions for t in corners(function)], start, end)
+    functions += [signal.function for signal in elements.signals if signal.kind == TIME_SIGNAL]
+    times = [t for function in functions for t in corners(function)]
+    return times_between([*times, *sampling_times(elements.signals, tree.time.start, end)], start, end)
 
 
 def refuse_jumps(tree: Tree) -> None:

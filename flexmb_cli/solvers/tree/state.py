@@ -9,6 +9,7 @@ from ...kernels.integrators import tree_dop853
 from ...kernels.tree.work import tree_work
 from ...model.arrays.tree import TreeArrays, initial_attitudes, tree_arrays
 from ...model.joint_elements import names_of
+from ...model.signals import initial_states
 from ...model.tree import Tree
 
 
@@ -35,6 +36,7 @@ class TreeState(ABC):
         self.warnings: list[Fault] = []  # fills at the start
         self.loop_note: Fault | None = None  # on loops that close only nearly
         self.resumed = False
+        self.sampled_at = np.nan  # time of the last samples of signals, s
 
     @property
     def state(self) -> np.ndarray:
@@ -51,6 +53,9 @@ class TreeState(ABC):
 
 
 def initial_state(tree: Tree) -> np.ndarray:
-    """State (n,) at the start: speeds, coordinates, Euler parameters, works of elements, applied work."""
+    """State (n,) at the start: speeds, coordinates, Euler parameters, states of signals, works of elements,
+    applied work.
+    """
     works = np.zeros(1 + len(list(names_of(tree.elements))))
-    return np.concatenate([tree.y, tree.q, initial_attitudes(tree).ravel(), works])
+    states = initial_states(tree.elements.signals)
+    return np.concatenate([tree.y, tree.q, initial_attitudes(tree).ravel(), states, works])

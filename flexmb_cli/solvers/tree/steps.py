@@ -12,6 +12,7 @@ from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.report import Report
 from ...kernels.tree.work import FRAME_WORK
 from ...model.arrays.tree_elements import CLOSURE_ROW
+from ...model.signals import SAME_SAMPLE, is_sampled
 from ...model.tree import Tree
 from .assembly import pivot_shares, stray
 from .breakpoints import why_no_step
@@ -62,7 +63,15 @@ class TreeSteps(TreeState):
         most = max(256, LARGEST_FRAMES // len(self.arrays.frames))
         most = min(most, max(1, LARGEST_ANSWERS // (1 + len(self.arrays.answers))))
         last = min(self.row + min(most, LARGEST_BLOCK), grid.rows)
-        return grid.start + np.arange(self.row, last) * grid.step
+        times = grid.start + np.arange(self.row, last) * grid.step
+        times[self._is_after_sample(times)] = np.nextafter(self.clock["stop"][0], np.inf)
+        return times
+
+    def _is_after_sample(self, times: Any) -> Any:
+        """Return whether rows at times are at the end of the interval, where a sample comes before them."""
+        stop, signals = float(self.clock["stop"][0]), self.tree.elements.signals
+        ahead = stop != self.sampled_at and is_sampled(signals, stop - self.tree.time.start)
+        return ahead & (np.abs(times - stop) <= SAME_SAMPLE * abs(stop))
 
     def due_times(self, t: float) -> list[float]:
         """Report times that have no row yet and do not lie past t."""
@@ -70,6 +79,8 @@ class TreeSteps(TreeState):
         times: list[float] = []
         while self.row + len(times) < grid.rows and grid.time(self.row + len(times)) <= t:
             times.append(grid.time(self.row + len(times)))
+        if times and self._is_after_sample(times[-1]):
+            times.pop()
         return times
 
     def observe(self, state_at: Callable[..., Any], times: list[float]) -> TreeRows:
@@ -114,6 +125,7 @@ class TreeSteps(TreeState):
             np.zeros((rows, 5)),
             np.zeros((rows, *self.arrays.answers.shape)),
             np.zeros((rows, self.arrays.prescribed.size)),
+            np.zeros((rows, len(self.arrays.signals.values))),
             np.zeros((rows, *self.arrays.reactions.shape)),
         )
 

@@ -28,6 +28,11 @@ ELEMENTS
   SPRING hinge at=1.angle stiffness=3 rest={}
 {}END
 """
+ROTOR_OF_VSDF = (
+    "VSDF ROTOR\nBODY\n 1,RIGD\nRIGI\n 1,1,0,0,0\n 0.1,0.1,0.02,0,0,0\n"
+    "NODE\n 0,1,0,0,0\n 0,2,0,0,1\n 1,1,0,0,0\n 1,2,0,0,1\n"
+    "JOIN\n 1,REVO,0,1,2,1,1,2\nGRAV\n 0,0,0\n"
+)
 
 
 def buckled(guess, analysis="forward", more=""):
@@ -97,3 +102,20 @@ def test_a_flexible_body_hangs_in_its_deflected_shape(tmp_path):
         assert h5["energy/strain"][0] > 0
         assert h5["energy/strain"][:] == pytest.approx(h5["energy/strain"][0], rel=1e-6)
         assert np.abs(h5["body/velocity"][:]).max() < 1e-6
+
+
+@pytest.mark.parametrize("dialect", ["young", "dafms", "vsdf"])
+def test_states_of_signals_are_refused(tmp_path, dialect):
+    lines = "  SIGNAL angle sum {}.{}\n  SIGNAL all integral of=angle\n"
+    if dialect == "young":
+        name, text = "INB", buckled(0.3, more=lines.format(1, "angle"))
+    elif dialect == "dafms":
+        name, text = "arm.DAT", f"{TWO_LINKS}ELEMENTS\n{lines.format(1, 'r3')}END \nSTAR\nSTOP\n"
+    else:
+        block = f"ELEMENTS\n{lines.format(1, 'angle')}"
+        name, text = "rotor.vsdf", f"{ROTOR_OF_VSDF}{block}\nTIME\n 1,0.1\nEND\nSTAR\nSTOP\n"
+    outcome, _ = run(tmp_path, name, text)
+    assert outcome.exit_code == 2
+    [fault] = [fault for fault in outcome.faults if fault.severity == "error"]
+    assert (fault.id, fault.subject) == ("SOLVE-150", "all")
+    assert text.splitlines()[fault.place.line - 1].startswith("  SIGNAL all")

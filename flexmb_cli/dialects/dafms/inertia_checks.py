@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ..deck.many_records import DeckValues
-from .diagnostics import Findings
-from .tree import INERTIAL, UNTURNED, Body, Tree
+from ...deck.many_records import DeckValues
+from ...model.diagnostics import Findings
+from ...model.tree import INERTIAL, UNTURNED, Body, Tree
 
 # Share of a body's inertia below which what its nodes leave counts as rounding.
 _ROUNDING = 1e-11
