@@ -114,7 +114,7 @@ def test_several_numbers_need_a_table():
 
 
 def test_a_table_has_the_numbers_of_a_dataset_or_all():
-    """Four bodies of seven coordinates, two derivatives, two angular vectors; a point; two angles; three audits."""
+    """Four bodies of seven coordinates, two derivatives, two angular vectors; point, two angles, audits."""
     pytest.importorskip("pandas")
     result = solve(FOUR_BAR)
     table = result.to_pandas("body/velocity")
