@@ -34,9 +34,8 @@ from .contacts import touch_of
 from .functions import Functions
 from .line import MASS, OUTPUT, ElementLine
 from .measures import Measures
-from .reader import usage
 from .signals import built_signals
-from .words import BY_WORD, key_of
+from .words import BY_WORD, key_of, usage
 
 _MANY = ("from.last", "from.last_node", "to.last", "to.last_node")  # keys of ends that are several
 _OF_CAMS = ("from", "to", "function", "stiffness", "damping", "lower", "upper")  # keys of COUPLING

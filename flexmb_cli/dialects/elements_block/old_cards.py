@@ -156,8 +156,7 @@ def new_lines(
 def _line_of(form: str, word: str, fields: Sequence[str], number: int) -> str:
     """The line for a card, the `number`-th of its word; how such lines are written where fields lack."""
     # Few decks have old cards, of which only the words need to be known.
-    from .reader import usage
-    from .words import BY_WORD
+    from .words import BY_WORD, usage
 
     if not form:
         return ""

@@ -7,9 +7,8 @@ from typing import Any
 from ...deck.dialogue import Line, named
 from ...deck.questions import TEXT, Cell, Entry
 from ...deck.record import Record
-from .reader import usage
 from .text import BLOCK
-from .words import BY_WORD, Key
+from .words import BY_WORD, Key, usage
 
 SECTION = "element_line"
 

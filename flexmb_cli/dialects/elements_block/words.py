@@ -301,3 +301,24 @@ WORDS = (
     ),
 )  # fmt: skip
 BY_WORD = {word.word: word for word in WORDS}
+
+
+def usage(word: BlockWord) -> str:
+    """Return how a line of a word is written."""
+    if word.word == OUTPUT:
+        keys = "from=1(x,y,z) to=2(x,y,z) | body=2"
+        return f"OUTPUT name = formula, or OUTPUT name {'|'.join(word.kinds)} ({keys}) [axes=…]"
+    if word.word == "COUPLING":
+        return "COUPLING name 2.angle=factor 3.stroke=factor …, or from=1.angle to=2.stroke function=name"
+    parts = [word.word, "name" if not word.unnamed else "", "|".join(word.kinds)]
+    if word.word == "SIGNAL":
+        return "SIGNAL name sum 0.8 -1*2.angle, or SIGNAL name pid of=error kp=3 ki=10, and so on"
+    shape = {COORDINATE: "2.angle", END: "1(x,y,z)", VECTOR: "(x,y,z)", FUNCTION: "function"}
+    texts = {key.name: f"{key.name}={shape.get(key.kind, '…')}" for key in word.keys}
+    ways = [" | ".join(" ".join(texts[k] for k in group) for group in groups) for groups in word.choices]
+    parts += [f"({way})" for way in ways]
+    chosen = {name for groups in word.choices for group in groups for name in group}
+    for key in word.keys:
+        if key.name not in chosen:
+            parts.append(texts[key.name] if key.needed else f"[{texts[key.name]}]")
+    return " ".join(part for part in parts if part)
