@@ -194,6 +194,7 @@ def test_every_dynamic_deck_stands_in_the_readme():
             "IN-ELEMENTS",
             "IN-LINK",
             "IN-PAIR",
+            "IN-PID",
             "IN-RAIL",
         )
         if f"`{stem}`" in text

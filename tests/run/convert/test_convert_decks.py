@@ -55,6 +55,8 @@ REFUSED = {
     ("young/dynamics/IN-ANDREWS.dat", "dafms"): "revolute joint 6: the joint closes a loop",
     ("young/dynamics/IN-BALL.dat", "vsdf"): "contacts do not convert",
     ("young/dynamics/IN-BALL.dat", "dafms"): "contacts do not convert",
+    ("young/dynamics/IN-PID.dat", "vsdf"): "signals do not convert",
+    ("young/dynamics/IN-PID.dat", "dafms"): "signals do not convert",
     ("young/dynamics/IN-RAIL.dat", "vsdf"): "points on curves are not converted",
     ("young/dynamics/IN-RAIL.dat", "dafms"): "points on curves are not converted",
     ("young/dynamics/IN-BREAK.dat", "vsdf"): "contacts do not convert",
