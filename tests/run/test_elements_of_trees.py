@@ -15,7 +15,7 @@ from flexmb_cli.run.outcome import Listener, Outcome, Run, RunOptions
 from flexmb_cli.run.solution import run_deck
 from flexmb_cli.run.verify.verify import verify_deck
 from flexmb_cli.solvers.constrained.tree import AbsoluteTree
-from flexmb_cli.solvers.tree import analysis as tree_analysis
+from flexmb_cli.solvers.tree import steps
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from tests.dialects.dafms.dafms_decks import build, deck_text
 from tests.dialects.dafms.test_dafms_elements import (
@@ -333,7 +333,7 @@ def test_a_motor_accelerates_two_links_by_the_inverse_of_their_mass_matrix():
 
 def test_a_stopped_run_goes_on_to_the_same_bytes(tmp_path, monkeypatch):
     """Angles beyond a turn and signs of Euler parameters go on from the row before the stop."""
-    monkeypatch.setattr(tree_analysis, "LARGEST_BLOCK", 3)
+    monkeypatch.setattr(steps, "LARGEST_BLOCK", 3)
     text = deck(f"{CASES['friction'][1]}\n{CASES['motor'][1]}").replace(
         "    5\n       0.1\n", "   12\n       0.2\n"
     )
@@ -353,7 +353,7 @@ def test_a_stopped_run_goes_on_to_the_same_bytes(tmp_path, monkeypatch):
 def test_a_run_stopped_in_the_step_before_a_contact_goes_on_to_the_same_bytes(tmp_path, monkeypatch, method):
     """The step is made again: as long as it was tried, not as the contact cut it, or the next one differs."""
     chosen = {"integration": {"method": method, "rtol": 1e-7, "atol": 1e-8}}
-    monkeypatch.setattr(tree_analysis, "LARGEST_BLOCK", 1)
+    monkeypatch.setattr(steps, "LARGEST_BLOCK", 1)
     contact = "CONTACT floor plane-sphere from=0(0,-0.9,0) to=2(0.6,0,0) normal=(0,1,0) radius_to=0.05"
     text = deck(f"ELEMENTS\n  {contact} stiffness=1e5 damping=0.3")
     old = "    5\n       0.1\n"

@@ -15,7 +15,7 @@ from flexmb_cli.deck.several_models import models_of, only_model
 from flexmb_cli.errors import DeckError
 from flexmb_cli.run.outcome import RunOptions
 from flexmb_cli.run.solution import run_deck
-from flexmb_cli.solvers.tree import analysis
+from flexmb_cli.solvers.tree import steps
 from tests.run.dafms_runs import DECKS, stop_after
 
 TEXT = (DECKS / "pendulum.DAT").read_text().replace(" 6000\n", "   20\n")
@@ -73,7 +73,7 @@ def test_one_model_is_run_by_its_name(folder):
 
 
 def test_a_stopped_model_is_resumed_by_its_name(folder, monkeypatch):
-    monkeypatch.setattr(analysis, "LARGEST_BLOCK", 5)
+    monkeypatch.setattr(steps, "LARGEST_BLOCK", 5)
     stopped = run_deck("2:FMBD.DAT", RunOptions(), stop_after(2))
     assert (stopped.exit_code, stopped.resumable) == (130, True)
     assert (folder / "FMBD-2.resume").exists()

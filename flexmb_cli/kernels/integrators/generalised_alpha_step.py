@@ -59,7 +59,7 @@ SHORTEST_BEFORE = 0.15  # of a step before that one: it is left out
 SHORTENED = 0.75
 MOST_PASSING = 30.0  # steps, that the one over a singular position may be long
 SAME_TIME_IN_STEP = 1e-9  # of a step: times this near to each other are one
-OF_ERROR = 1e-4  # of the step's error: what the iterations may leave in a step of given length
+OF_ERROR = 1e-6  # of the step's error: what the iterations may leave in a step of given length
 ITERATED_BLURRED = 0.3  # of the tolerance: what the iterations may leave where that is all round-off
 LEAST_PASSING = 0.1  # of a given step: way over a singular position on which none ends, 5 times what is FOUND
 FAR_PIVOT = 5.0  # of one that is firm: where the smallest is above, given steps alone fix how far to look
@@ -250,7 +250,7 @@ MOST_ITERATIONS = 12
 STILL_ITERATIONS = 3  # of a state: positions, speeds, and accelerations that belong to both
 FLOOR = 1e-13  # of the speeds: round-off
 LEAST = 1e-2  # contraction that is trusted: the first of a step is better than those that follow
-CLOSED_BY_ONE_MORE = 1e-8  # scaled gap that one more correction brings to round-off
+CLOSED_BY_ONE_MORE = 1e-10  # scaled gap that one more correction brings to round-off
 
 
 @kernel

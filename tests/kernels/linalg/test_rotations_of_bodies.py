@@ -77,7 +77,7 @@ def test_rows_and_right_sides_on_speeds_follow_those_on_coordinates(path):
     random = np.random.default_rng(7)
     rows, bodies = random.uniform(-1, 1, (4, 14)), np.array([[0, 1], [1, 0], [0, 1], [1, 0]])
     jacobian, gamma, q = np.zeros((4, path.u.size)), np.zeros(4), path.q(0.0)
-    speed_jacobian(bodies, q, rows, jacobian)
+    speed_jacobian(bodies, q, rows, np.ones_like(jacobian), jacobian)
     add_turning(bodies, q, path.u, rows, gamma)
     qd, qdd = path.difference(FIRST, 1), path.difference(SECOND, 2)
     for row, (a, b), found, turning in zip(rows, bodies, jacobian @ path.u, gamma, strict=True):

@@ -12,7 +12,7 @@ import pytest
 from flexmb_cli.run import resumed
 from flexmb_cli.run.checkpoint import ResumeFile
 from flexmb_cli.run.outcome import Listener
-from flexmb_cli.solvers.tree import analysis
+from flexmb_cli.solvers.tree import steps
 from tests.run.dafms_runs import run, stop_after
 from tests.run.resume.test_resume import error_of
 
@@ -25,7 +25,7 @@ ROWS = 151
 @pytest.fixture
 def stopped(tmp_path, monkeypatch):
     """The resume file of a run that was stopped after four of its seven blocks."""
-    monkeypatch.setattr(analysis, "LARGEST_BLOCK", 23)
+    monkeypatch.setattr(steps, "LARGEST_BLOCK", 23)
     assert run("pendulum", tmp_path, stop_after(4), changes=SHORT).exit_code == 130
     return tmp_path / NAME
 

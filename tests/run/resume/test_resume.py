@@ -12,7 +12,7 @@ import pytest
 
 from flexmb_cli.run.checkpoint import ResumeFile
 from flexmb_cli.run.outcome import Listener
-from flexmb_cli.solvers.tree import analysis
+from flexmb_cli.solvers.tree import steps
 from tests.run.dafms_runs import DECKS, ENDINGS, NAMES, altered, run, stop_after
 
 
@@ -30,7 +30,9 @@ def rows_of_two_and_three_blocks(name):
     """Rows in so many blocks of 23, which a change of a torque or the end of the run ends early."""
     if name.startswith("shaft"):
         return 46, 51  # the torque jumps at 0.05 s, row 50
-    return {"motor_gear": (41, 64), "stiff_arm": (46, 61)}.get(name, (46, 69))  # motor: 0.2 s, row 40
+    return {"motor_gear": (41, 64), "stiff_arm": (46, 61), "driven_pair": (46, 61)}.get(
+        name, (46, 69)
+    )  # motor: 0.2 s, row 40
 
 
 @pytest.mark.long_motion
@@ -38,7 +40,7 @@ def rows_of_two_and_three_blocks(name):
 def test_a_run_stopped_twice_and_resumed_gives_the_bytes_of_an_uninterrupted_one(tmp_path, monkeypatch, name):
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
     run(name, whole)
-    monkeypatch.setattr(analysis, "LARGEST_BLOCK", 23)
+    monkeypatch.setattr(steps, "LARGEST_BLOCK", 23)
     first = run(name, stopped, stop_after(2))
     rows = rows_of_two_and_three_blocks(name)
     assert (first.exit_code, first.rows, first.resumable) == (130, rows[0], True)

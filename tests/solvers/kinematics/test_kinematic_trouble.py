@@ -17,7 +17,7 @@ from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.young.build import build_young
 from flexmb_cli.dialects.young.reader import read_young
 from flexmb_cli.errors import AnalysisError
-from flexmb_cli.solvers.kinematics import analysis, position
+from flexmb_cli.solvers.kinematics import position, state
 from flexmb_cli.solvers.kinematics.analysis import KinematicAnalysis
 from flexmb_cli.solvers.kinematics.position import KinematicSettings
 from tests.solvers.kinematics.young_linkages import four_bar, gear, outcome, reported, slider_crank
@@ -42,7 +42,7 @@ def factors(request, monkeypatch):
     if not getattr(request.node, "callspec", None) or request.node.callspec.params.get("dense", True):
         return
     monkeypatch.setattr(position, "DENSE_LIMIT", 0)
-    monkeypatch.setattr(analysis, "DENSE_ELIMINATION", 1)
+    monkeypatch.setattr(state, "DENSE_ELIMINATION", 1)
 
 
 @SMALL_AND_LARGE
@@ -189,7 +189,7 @@ def test_a_singular_position_at_rest_is_no_failure(dense, tmp_path):
 @SMALL_AND_LARGE
 def test_the_assembly_of_a_mechanism_too_large_for_two_attempts_at_once_ends(dense, tmp_path, monkeypatch):
     """One attempt a call, as of a thousand bodies: a refused one was tried again without end."""
-    monkeypatch.setattr(analysis, "KINEMATIC_CALL_WORK", 0)
+    monkeypatch.setattr(state, "KINEMATIC_CALL_WORK", 0)
     found = outcome(tmp_path, gear((0, 1, 0.5), math.pi, 0.0))
     assert (found.exit_code, found.rows) == (0, 3)
 

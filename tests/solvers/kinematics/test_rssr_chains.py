@@ -9,7 +9,7 @@ from flexmb_cli.deck.text import decode
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.young.build import build_young
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.solvers.kinematics import analysis, position
+from flexmb_cli.solvers.kinematics import position, state
 from flexmb_cli.solvers.kinematics.analysis import KinematicAnalysis
 from flexmb_cli.solvers.kinematics.position import KinematicSettings
 from tests.solvers.kinematics.geometry import Gaps
@@ -55,7 +55,7 @@ def test_dense_and_sparse_factors_give_the_same_motion(derivative, monkeypatch):
     mechanism = chain(4, TimeGrid(0.0, 4.0, 1.0))
     dense = solved(mechanism)
     monkeypatch.setattr(position, "DENSE_LIMIT", 10)
-    monkeypatch.setattr(analysis, "DENSE_ELIMINATION", 10)
+    monkeypatch.setattr(state, "DENSE_ELIMINATION", 10)
     sparse = solved(mechanism)
     assert largest_difference(coordinates(sparse, derivative), coordinates(dense, derivative)) <= 1e-12
     assert np.all(sparse.newton_iterations == dense.newton_iterations)
@@ -66,7 +66,7 @@ def test_a_tolerance_ends_newton_as_early_with_sparse_factors_as_with_dense_ones
     mechanism, early = chain(2, TimeGrid(0.0, 2.0, 1.0)), KinematicSettings(tolerance=1e-4)
     exact, dense = (iterations(mechanism, settings) for settings in (KinematicSettings(), early))
     monkeypatch.setattr(position, "DENSE_LIMIT", 10)
-    monkeypatch.setattr(analysis, "DENSE_ELIMINATION", 10)
+    monkeypatch.setattr(state, "DENSE_ELIMINATION", 10)
     assert iterations(mechanism, early) == dense < exact
 
 
@@ -82,7 +82,7 @@ def test_a_chain_that_locks_says_so_and_keeps_the_rows_before(limit, monkeypatch
     Beyond it |k| > R in the closed form, and the arc cosine is not defined.
     """
     monkeypatch.setattr(position, "DENSE_LIMIT", limit)
-    monkeypatch.setattr(analysis, "DENSE_ELIMINATION", limit)
+    monkeypatch.setattr(state, "DENSE_ELIMINATION", limit)
     mechanism = chain(6)
     backward = replace(mechanism.drivers[0], B=0.8, A=-0.4)
     rows, failure = until_failure(replace(mechanism, drivers=(backward,)))

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 from flexmb_cli.errors import AnalysisError, ModelError
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.solvers.tree import analysis
+from flexmb_cli.solvers.tree import steps
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from tests.solvers.tree.tree_runs import deck_tree, joined, run
 
@@ -137,7 +137,7 @@ def test_one_way_model_with_a_loop_is_refused():
 def test_resumed_run_of_a_loop_gives_the_numbers_of_an_uninterrupted_one(monkeypatch):
     tree = replace(deck_tree("slider_crank_flex", 1e-8), time=TimeGrid(0.0, 0.3, 0.005))
     whole = run(tree)
-    monkeypatch.setattr(analysis, "LARGEST_BLOCK", 17)
+    monkeypatch.setattr(steps, "LARGEST_BLOCK", 17)
     stopped = TreeAnalysis(tree)
     rows = stopped.rows()
     first = [next(rows), next(rows)]

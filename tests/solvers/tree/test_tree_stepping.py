@@ -12,7 +12,7 @@ from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.piecewise_polynomials import linear_table
 from flexmb_cli.model.time_functions import piecewise, pulse
 from flexmb_cli.model.tree import TRANSLATION, Body, BodyTorque, Elasticity, Hinge, Integration, Tree
-from flexmb_cli.solvers.tree import analysis
+from flexmb_cli.solvers.tree import steps
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from tests.naive.random_trees import random_tree, sprung
 from tests.solvers.tree.tree_runs import deck_tree, joined, run
@@ -81,8 +81,8 @@ def test_error_falls_with_the_tolerance():
 def test_rows_do_not_depend_on_how_the_run_is_cut_into_calls(monkeypatch):
     tree = deck_tree("shaft_beam_n2", 1e-8)
     whole = run(tree)
-    monkeypatch.setattr(analysis, "CALL_WORK", 100)
-    monkeypatch.setattr(analysis, "LARGEST_BLOCK", 7)
+    monkeypatch.setattr(steps, "CALL_WORK", 100)
+    monkeypatch.setattr(steps, "LARGEST_BLOCK", 7)
     assert np.array_equal(run(tree).q, whole.q)
 
 
@@ -90,7 +90,7 @@ def test_rows_do_not_depend_on_how_the_run_is_cut_into_calls(monkeypatch):
 def test_resumed_run_gives_the_numbers_of_an_uninterrupted_one(monkeypatch, block):
     tree = replace(random_tree(8), time=TimeGrid(0.0, 1.0, 0.01))
     whole = run(tree)
-    monkeypatch.setattr(analysis, "LARGEST_BLOCK", 13)
+    monkeypatch.setattr(steps, "LARGEST_BLOCK", 13)
     stopped = TreeAnalysis(tree)
     first = [next(rows) for rows in [stopped.rows()] for _ in range(block)]
     rest = list(TreeAnalysis(tree, stopped.checkpoint).rows())
@@ -103,7 +103,7 @@ def test_resumed_run_gives_the_numbers_of_an_uninterrupted_one(monkeypatch, bloc
 def test_resume_inside_a_pulse_keeps_the_jumps(monkeypatch):
     tree = deck_tree("shaft_beam_n2", 1e-8)
     whole = run(tree)
-    monkeypatch.setattr(analysis, "LARGEST_BLOCK", 60)
+    monkeypatch.setattr(steps, "LARGEST_BLOCK", 60)
     stopped = TreeAnalysis(tree)
     rows = stopped.rows()
     first = [next(rows), next(rows)]
