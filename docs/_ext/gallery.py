@@ -16,7 +16,7 @@ BREAK = "_\u200b"  # where long names may break
 GROUPS = {
     "young": ("Kinematics of YOUNG decks", "young", "*.dat"),
     "dynamics": ("Dynamics of YOUNG decks", "young/dynamics", "*.dat"),
-    "dafms": ("DAFMS decks", "dafms", "*.DAT"),
+    "dafms": ("DAFMS decks", "dafms", "**/*.DAT"),
     "vsdf": ("VSDF decks", "vsdf", "*.vsdf"),
 }
 HEAD = """# Gallery

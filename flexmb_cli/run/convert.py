@@ -42,12 +42,13 @@ def converted(
         deck = open_deck(path, options, run.outcome)
         # What a file is called may come from anywhere, and must not be more than a word of the new file.
         name = visible(PurePath(deck.source.name).stem)
+        if form in DIALECTS:
+            _refuse_own(deck, form, (unit, to_unit))
         _refuse_signals(deck)
         if has_outputs(deck):
             message = "lines OUTPUT are left out: copy those that you need, with the numbers of the new deck"
             run.outcome.faults.append(Fault("warning", message, id="RESULT-114"))
         if form in DIALECTS:
-            _refuse_own(deck, form, (unit, to_unit))
             units = UNITS[unit], UNITS[to_unit]
             return _in_other_units(deck, form, units) or _deck_of(deck, run, form, units)[0]
         return _for_program(deck, run, form, name)

@@ -197,6 +197,6 @@ def test_a_variable_in_a_count_is_set_by_run_and_refused_by_studies(tmp_path):
 
 def test_the_supplied_deck_with_variables_is_driven_as_its_included_file_says():
     """rate t and fast t - slower t^2 at the end of 3 s, by the numbers of the deck and of its file."""
-    found = interface.solve(str(DECKS / "dafms/driven_pair.DAT"))
+    found = interface.solve(str(DECKS / "dafms/variables/driven_pair.DAT"))
     assert found["coordinate/q"][-1] == pytest.approx([1.3 * 3, 2 * 3 - 0.4 * 9], abs=1e-12)
     assert len(found.time) == 61

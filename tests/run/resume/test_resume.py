@@ -30,9 +30,7 @@ def rows_of_two_and_three_blocks(name):
     """Rows in so many blocks of 23, which a change of a torque or the end of the run ends early."""
     if name.startswith("shaft"):
         return 46, 51  # the torque jumps at 0.05 s, row 50
-    return {"motor_gear": (41, 64), "stiff_arm": (46, 61), "driven_pair": (46, 61)}.get(
-        name, (46, 69)
-    )  # motor: 0.2 s, row 40
+    return {"motor_gear": (41, 64), "stiff_arm": (46, 61)}.get(name, (46, 69))  # motor: 0.2 s, row 40
 
 
 @pytest.mark.long_motion

@@ -34,12 +34,10 @@ PLANAR = (
 SPATIAL = ("spatial_rigid", "spatial_flex")
 # Each with equations of its own in tests/dialects/dafms/test_dafms_cards.py.
 OF_CARDS = ("arm_elements", "arm_nrot", "motor_gear", "spinning_beams", "stiff_arm")
-# With its closed form in tests/deck/expansion/test_expansion.py.
-OF_VARIABLES = ("driven_pair",)
 
 
 def test_every_deck_has_equations_to_be_compared_with():
-    assert sorted(PLANAR + SPATIAL + OF_CARDS + OF_VARIABLES) == NAMES
+    assert sorted(PLANAR + SPATIAL + OF_CARDS) == NAMES
 
 
 # The fast pass has shorter decks of the same kind.
