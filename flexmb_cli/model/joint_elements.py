@@ -23,7 +23,11 @@ from .time_functions import MotionFunction, values_at
 
 CURVE_SAMPLES = 400  # places of a curve at which it is looked at
 ARC_PANELS = 256  # of its arc length, each integrated by Gauss's formula
-ARC_FORMULA = np.polynomial.legendre.leggauss(8)
+# Places and weights of Gauss's formula of 8 points (Abramowitz and Stegun, table 25.4); numpy takes them from
+# eigenvalues, whose last digits depend on the processor.
+_PLACES = (0.9602898564975363, 0.7966664774136267, 0.5255324099163290, 0.1834346424956498)
+_WEIGHTS = (0.1012285362903763, 0.2223810344533745, 0.3137066458778873, 0.3626837833783620)
+ARC_FORMULA = (np.array([-x for x in _PLACES] + list(reversed(_PLACES))), np.array(_WEIGHTS + _WEIGHTS[::-1]))
 ALIKE = 1e-9  # of a curve's size: places, and derivatives by its parameter's range, that count as equal
 STANDSTILL = 1e-9  # of the largest rate: below it a curve stands still
 LEAST_SINE = 1e-2  # sine of that between a curve and the vector across it
