@@ -353,9 +353,7 @@ class BlockBuilder:
         if "begin" in line and "end" in line:
             return found, float(line["begin"]), float(line["end"])
         if len(periods) != 1:
-            message = (
-                "gives the ends of a curve of functions, begin= and end=; those of one period have their own"
-            )
+            message = "a curve of functions needs begin= and end=, unless all its functions have one period"
             self.findings.error(line.subject, message, line.place, id="ELEMENTS-125")
             return None
         ((begin, period),) = periods

@@ -184,7 +184,7 @@ class Functions:
         function = self.function(record, key)
         if is_signal(function):
             message = (
-                f"{name_of(record[key])} is a signal, which gives no rates; let a MOTOR follow it, effort="
+                f"{name_of(record[key])} is a signal, which gives no rates; name it as the effort of a MOTOR"
             )
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-082")
             return None

@@ -193,7 +193,7 @@ def test_points_of_a_file_give_a_smooth_closed_track(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ("x=x", "gives the ends of a curve of functions, begin= and end="),
+        ("x=x", "a curve of functions needs begin= and end="),
         ("begin=0 end=1", "a curve takes file=, or functions of a parameter"),
         ("x=x begin=1 end=0", "its end, 0, must be larger than its beginning, 1"),
         ("x=square begin=-1 end=1", "the curve stands still at the parameter 0: it has no direction"),
