@@ -68,6 +68,7 @@ def vsdf(count, lines, end, method):
     return vsdf_rows(deck, end, end / 4.0, f"ELEMENTS\n{text}", method)
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("method", ["RK45", "RAD5"])
 def test_shapes_in_one_line_move_as_pairs_in_lines_of_their_own(method):
     """The second formulation is a line a pair: all forces are the same, summed in another order."""

@@ -171,6 +171,7 @@ def test_a_point_that_leaves_its_curve_ends_the_run_and_keeps_the_rows_before():
     assert "by t = 0.7 s the point has left the curve at its beginning" in str(ended.value)
 
 
+@pytest.mark.long_motion
 def test_points_of_a_file_give_a_smooth_closed_track(tmp_path, monkeypatch):
     """An ellipse through 200 points, whose error falls with the fourth power of their distance."""
     s = np.linspace(0, 2 * math.pi, 201)

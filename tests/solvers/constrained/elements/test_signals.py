@@ -82,6 +82,7 @@ PID_INTEGRALS = (0.0381944608966, 0.067146538524, 0.0837142315554, 0.03849582290
                  0.0501649607305, 0.04999966011)  # fmt: skip
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("method", METHODS)
 def test_a_pid_turns_a_rotor_to_its_set_point(method):
     """Problem control-pid-rotor of `reference/motion`: matrix exponential, tolerances 1e-8 and 1e-7."""
@@ -131,6 +132,7 @@ def sampled_rotor(kp, delay, steps, J=0.05, damping=0.1, period=0.05):
     return np.array(angles), np.array(torques)
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("delay", [0, 1, 3])
 @pytest.mark.parametrize("method", METHODS)
 def test_a_sampled_controller_holds_its_torque_from_sample_to_sample(method, delay):
@@ -175,7 +177,16 @@ BLOCKS = """  SIGNAL one sum 1
   FUNCTION square polynomial 0 0 1"""
 
 
-@pytest.mark.parametrize("method", ["young RK45", "vsdf RAD5", "young GALF", "dafms sdirk4"])
+@pytest.mark.parametrize(
+    "method",
+    [
+        "young RK45",
+        *(
+            pytest.param(m, marks=pytest.mark.long_motion)
+            for m in ("vsdf RAD5", "young GALF", "dafms sdirk4")
+        ),
+    ],
+)
 def test_blocks_answer_as_in_textbooks(method):
     """A second-order lag by its step response (Ogata, Modern Control Engineering, section 5.3), a lead by its
     own; a state space by the matrix exponential; the others by their formulas.
