@@ -36,8 +36,10 @@ def compare_many(
     from .processes.worker import Worker, end_all
 
     workers = [Worker(_serve, pairs[k::jobs], summary, tolerances, options) for k in range(jobs)]
-    shares = [_answer_of(worker, tolerances) for worker in workers]
-    end_all(workers)
+    try:
+        shares = [_answer_of(worker, tolerances) for worker in workers]
+    finally:
+        end_all(workers)
     summary.compared += [shares[k % jobs][k // jobs] for k in range(len(pairs))]
 
 

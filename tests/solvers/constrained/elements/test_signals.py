@@ -23,7 +23,6 @@ DECKS = Path(__file__).resolve().parents[4] / "decks"
 # A rotor about z with the moment of inertia J: YOUNG, VSDF and DAFMS, where its angle is ANGLE.
 METHODS = ("young RK45", "young RAD5", "young GALF", "vsdf RK45", "vsdf RAD5", "dafms dop853", "dafms sdirk4")
 _CARDS = {"RK45": "TOLERANCE 1e-11\n", "RAD5": "RAD5 1e-11\n", "GALF": "GALF 0 0.9\nTOLERANCE 1e-9\n"}
-_NEAR = {"GALF": 1e-6, "sdirk4": 1e-7}
 
 
 def run(method, J, end, step, lines):
@@ -52,10 +51,6 @@ def dafms_rotor(J, end, step):
         "EULT\n    1       0.0       0.0       0.0       1.0\n"
         "EULL\n    1       0.0       0.0       0.0       1.0\nTOLR\n    1.000E-11    1.000E-12\n"
     )
-
-
-def near(method):
-    return _NEAR.get(method.split()[1], 1e-8)
 
 
 def test_codes_are_those_of_the_model():
@@ -88,9 +83,9 @@ def test_a_pid_turns_a_rotor_to_its_set_point(method):
     """Problem control-pid-rotor of `reference/motion`: matrix exponential, tolerances 1e-8 and 1e-7."""
     rows = run(method, 0.02, 3.0, 0.05, PID)
     at = [round(t / 0.05) for t in PID_TIMES]
-    assert rows.element_coordinate[at, -1] == pytest.approx(PID_ANGLES, abs=near(method))
-    assert rows.element_effort[at, -1] == pytest.approx(PID_TORQUES, abs=10.0 * near(method))
-    assert rows.signal_value[at, 1] == pytest.approx(PID_INTEGRALS, abs=near(method))
+    assert rows.element_coordinate[at, -1] == pytest.approx(PID_ANGLES, abs=1e-8)
+    assert rows.element_effort[at, -1] == pytest.approx(PID_TORQUES, abs=1e-7)
+    assert rows.signal_value[at, 1] == pytest.approx(PID_INTEGRALS, abs=1e-8)
     assert rows.signal_value[:, 2] == pytest.approx(rows.element_effort[:, -1], abs=0.0)
 
 
@@ -143,9 +138,9 @@ def test_a_sampled_controller_holds_its_torque_from_sample_to_sample(method, del
     )
     rows = run(method, 0.05, 1.0, 0.05, lines)
     angles, torques = sampled_rotor(0.5, delay, 21)
-    assert rows.element_coordinate[:, -1] == pytest.approx(angles, abs=near(method))
+    assert rows.element_coordinate[:, -1] == pytest.approx(angles, abs=1e-8)
     # Rows at samples are those after them, the last one too.
-    assert rows.element_effort[:, -1] == pytest.approx(torques, abs=near(method))
+    assert rows.element_effort[:, -1] == pytest.approx(torques, abs=1e-8)
 
 
 @pytest.mark.parametrize("method", ["dop853", "sdirk4"])
