@@ -92,7 +92,7 @@ def test_one_collision_is_that_of_the_closed_form(dialect, method):
         on_plane("stiffness=2e6 exponent=1.5 damping=0.4"),
         method,
     )
-    error, body = (1e-8 if method == EXPLICIT else 1e-6), 1 if dialect == "young" else 0
+    error, body = 1e-8, 1 if dialect == "young" else 0
     assert rows.velocity[-1, body, 2] == pytest.approx(1.29593484987, abs=error)
     assert rows.position[-1, body, 2] == pytest.approx(1.0131310401, abs=error)
     assert rows.dissipated[-1] == pytest.approx(0.580138216226, abs=error)
