@@ -59,6 +59,7 @@ def _young(result, text):
     bodies = Bodies(result)
     for number, (kind, numbers) in enumerate(text.joints, 1):
         _joint(bodies, f"joint {number} ({kind})", kind, numbers)
+    _joint_coordinates(result, bodies, text)
     _drivers(bodies, text, result["time"])
     for body, *held in text.sections["ground"]:
         _at_rest(bodies, int(body) - 1, held)
@@ -103,6 +104,46 @@ def _joint(bodies, name, kind, numbers):
     if kind == "translational":
         h, g = (bodies.vector(b, _unit(o - P)) for b, o, P in ((i, others[2], P_i), (j, others[3], P_j)))
         _allsmall(f"turn of {name}", _products(h, g, _dot), turning)
+
+
+def _joint_coordinates(result, bodies, text):
+    """Angles and strokes move from the first row as the bodies do; whole turns are not seen."""
+    names, counts = result.names.get("coordinate/name", []), {}
+    for kind, numbers in text.joints:
+        counts[kind] = counts.get(kind, 0) + 1
+        for word, motion in (("angle", _turn), ("stroke", _stroke)):
+            name = f"{kind} {counts[kind]} {word}"
+            if name in names:
+                k = names.index(name)
+                motion(bodies, numbers, name, result["coordinate/q"][:, k], result["coordinate/u"][:, k])
+
+
+def _ends(bodies, numbers):
+    """Axis of a joint on body i and the way from P_i to P_j, each with two derivatives."""
+    (i, j), (P_i, P_j, Q_i) = map(int, numbers[:2]), np.array(numbers[2:11]).reshape(3, 3)
+    apart = tuple(b - a for a, b in zip(bodies.point(i, P_i), bodies.point(j, P_j), strict=True))
+    return bodies.vector(i, _unit(Q_i - P_i)), apart
+
+
+def _turn(bodies, numbers, name, q, u):
+    i, j = map(int, numbers[:2])
+    (s, *_), _apart = _ends(bodies, numbers)
+    small(f"rate of {name}", u - (s * (bodies.spin(j) - bodies.spin(i))).sum(-1), u)
+    across = np.cross(s[0], np.eye(3)[np.argmin(np.abs(s[0]))])
+    f, h = (bodies.vector(b, _axes(bodies, b) @ _unit(across))[0] for b in (i, j))
+    small(name, np.cos(q - q[0]) - (f * h).sum(-1), 0 * q)
+    small(name, np.sin(q - q[0]) - (np.cross(f, h) * s).sum(-1), 0 * q)
+
+
+def _stroke(bodies, numbers, name, q, u):
+    way, rate, _ = (each[..., 0] for each in _products(*_ends(bodies, numbers), _dot))
+    small(name, q - q[0] - (way - way[0]), way)
+    small(f"rate of {name}", u - rate, rate)
+
+
+def _axes(bodies, body):
+    """Rows are the axes of a body in the first row: the matrix that turns global vectors into its own."""
+    return np.array([bodies.vector(body, axis)[0][0] for axis in np.eye(3)])
 
 
 def _unit(vector):
