@@ -40,7 +40,7 @@ class Result(Mapping[str, np.ndarray]):
     message: str = ""
     warnings: tuple[Fault, ...] = ()
     file: str = ""
-    found: "dict[str, list[Quantity]]" = field(default_factory=dict, repr=False, compare=False)
+    resolved: "dict[str, list[Quantity]]" = field(default_factory=dict, repr=False, compare=False)
 
     @classmethod
     def open(cls, path: str | os.PathLike[str]) -> "Result":
@@ -167,11 +167,11 @@ class Result(Mapping[str, np.ndarray]):
         needed("pandas", "pandas", "", "to_pandas")
         import pandas
 
-        found = (quantity for name in names or ("*",) for quantity in self._quantities(name))
-        wanted = [quantity for quantity in found if names or quantity.dataset != "time"]
-        columns = {quantity.name: self._column(quantity) for quantity in wanted}
+        named = (quantity for name in names or ("*",) for quantity in self._quantities(name))
+        quantities = [quantity for quantity in named if names or quantity.dataset != "time"]
+        columns = {quantity.name: self._column(quantity) for quantity in quantities}
         table = pandas.DataFrame(columns, index=pandas.Index(self.time, name="time"))
-        table.attrs["units"] = {quantity.name: quantity.unit for quantity in wanted}
+        table.attrs["units"] = {quantity.name: quantity.unit for quantity in quantities}
         return table
 
     def _column(self, quantity: "Quantity") -> np.ndarray:
@@ -189,7 +189,7 @@ class Result(Mapping[str, np.ndarray]):
 
     def _quantities(self, name: str) -> "list[Quantity]":
         """Return the quantities that a name selects."""
-        if name not in self.found:
+        if name not in self.resolved:
             from h5py import Dataset
 
             from .results.quantities.quantities import SHOWS_ALL, UNKNOWN, ResultError, resolve
@@ -197,13 +197,13 @@ class Result(Mapping[str, np.ndarray]):
             try:
                 with self._names() as file:
                     of_dataset = isinstance(file.get(name), Dataset)
-                    found = resolve(file, ["*" if of_dataset else name])
+                    resolved = resolve(file, ["*" if of_dataset else name])
             except ResultError as fault:
                 if fault.faults[0].id != UNKNOWN:
                     raise
                 raise KeyError(str(fault).removesuffix(SHOWS_ALL)) from None
-            self.found[name] = [each for each in found if not of_dataset or each.dataset == name]
-        return self.found[name]
+            self.resolved[name] = [each for each in resolved if not of_dataset or each.dataset == name]
+        return self.resolved[name]
 
     @contextmanager
     def _names(self) -> "Iterator[h5py.File]":

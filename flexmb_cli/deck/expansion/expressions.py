@@ -115,13 +115,13 @@ class _Parser:
     def next(self) -> None:
         """Go on to the next token."""
         self.start = self.end + len(self.text[self.end :]) - len(self.text[self.end :].lstrip())
-        found = _TOKEN.match(self.text, self.end)
-        if found is None and self.text[self.end :].strip():
+        token = _TOKEN.match(self.text, self.end)
+        if token is None and self.text[self.end :].strip():
             raise WrongFormula(f"'{self.text[self.start]}' belongs to no formula", self.start)
-        self.kind = found.lastgroup if found else None
-        self.word = found[found.lastgroup] if found and found.lastgroup else ""
+        self.kind = token.lastgroup if token else None
+        self.word = token[token.lastgroup] if token and token.lastgroup else ""
         self.sign = ("^" if self.word == "**" else self.word) if self.kind == "sign" else ""
-        self.end = found.end() if found else len(self.text)
+        self.end = token.end() if token else len(self.text)
 
     def sum(self) -> None:
         """Take a sum."""
@@ -186,8 +186,8 @@ class _Parser:
             count += 1
         self._close()
         if not function.least <= count <= (function.most or count):
-            wanted = f"{function.least}{' or more' * (not function.most)}"
-            raise WrongFormula(f"{name} takes {wanted} of numbers; read {count}", start)
+            arguments = f"{function.least}{' or more' * (not function.most)}"
+            raise WrongFormula(f"{name} takes {arguments} of numbers; read {count}", start)
         self.parts.append((function.of, count))
 
     def _close(self) -> None:
@@ -196,12 +196,12 @@ class _Parser:
         self.next()
 
 
-def evaluated(formulas: dict[str, Formula], given: dict[str, float]) -> Iterator[tuple[str, float | str]]:
+def evaluated(formulas: dict[str, Formula], chosen: dict[str, float]) -> Iterator[tuple[str, float | str]]:
     """Yield the value of each named formula that names others, in any order, or what is wrong with it.
 
-    `given`: values that take the places of formulas.
+    `chosen`: values that take the places of formulas.
     """
-    values: dict[str, float | str] = dict(given)
+    values: dict[str, float | str] = dict(chosen)
     for name in formulas:
         pending = [name]
         while pending:

@@ -51,7 +51,7 @@ def with_includes(source: DeckText, path: str) -> DeckText:
 
 def _code(text: str) -> Iterator[str]:
     """The lines of a text, comments being blank."""
-    bare = _BRACES.sub(lambda found: re.sub(r"[^\r\n]", " ", found[0]), text) if "{" in text else text
+    bare = _BRACES.sub(lambda comment: re.sub(r"[^\r\n]", " ", comment[0]), text) if "{" in text else text
     return ("" if line.startswith("*") else line for line in Lines(bare).after(0))
 
 
@@ -88,17 +88,17 @@ class _Reader:
         self.faults.append((Fault("error", message, place, id=id), len(self.statements)))
 
     def _define(self, code: str) -> None:
-        found = _SET.match(code)
-        if found is None:
+        match = _SET.match(code)
+        if match is None:
             self._error("write SET name = formula, such as SET b = a/2", 1, 3, "DECK-080")
             return
-        name, start = found[1], found.end()
+        name, start = match[1], match.end()
         if name in self.definitions:
             self._error(
-                f"{name} is defined twice; remove one line", found.start(1) + 1, len(name), "DECK-081"
+                f"{name} is defined twice; remove one line", match.start(1) + 1, len(name), "DECK-081"
             )
         elif name.lower() in CONSTANTS:
-            self._error(f"{name} is a constant already", found.start(1) + 1, len(name), "DECK-082")
+            self._error(f"{name} is a constant already", match.start(1) + 1, len(name), "DECK-082")
         else:
             try:
                 self.definitions[name] = formula(code[start:].rstrip()), len(self.statements)
@@ -106,11 +106,11 @@ class _Reader:
                 self._error(f"{name}: {fault}", start + fault.offset + 1, 1, "DECK-083")
 
     def _include(self, code: str, within: list[str]) -> None:
-        found = _INCLUDE.fullmatch(code)
-        if found is None:
+        match = _INCLUDE.fullmatch(code)
+        if match is None:
             self._error('write INCLUDE file; a name with blanks stands in "…"', 1, 7, "DECK-084")
             return
-        name, column = found[1] or found[2], found.start(1 if found[1] else 2) + 1
+        name, column = match[1] or match[2], match.start(1 if match[1] else 2) + 1
         path = Path(within[-1]).parent / name
         if wrong := self._wrong(path, within):
             self._error(f"{name}: {wrong}", column, len(name), "DECK-085")
@@ -147,7 +147,7 @@ class _Reader:
         places = {name: Place(first + n, 5, len(name)) for name, (_, n) in self.definitions.items()}
         expansion = Expansion(
             (*self.lines, *self.statements),
-            {name: found for name, (found, _) in self.definitions.items()},
+            {name: one for name, (one, _) in self.definitions.items()},
             places,
             tuple(placed(*fault) for fault in self.faults),
         )

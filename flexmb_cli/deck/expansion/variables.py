@@ -30,10 +30,9 @@ def with_variables(source: DeckText, by_columns: bool, changes: Iterable[str]) -
     """
     assert source.expansion is not None, "it begins with a statement"
     parted = (change.partition("=") for change in changes)
-    given = {name.strip(): word.strip() for name, _, word in parted}
-    writer = _Writer(
-        source.expansion, {name: word for name, word in given.items() if name in source.expansion.definitions}
-    )
+    chosen = {name.strip(): word.strip() for name, _, word in parted}
+    variables = source.expansion.definitions
+    writer = _Writer(source.expansion, {name: word for name, word in chosen.items() if name in variables})
     in_block, lines = False, []
     for number, (text, code) in enumerate(code_lines(source, source.expansion), 1):
         if code.strip() and not code[0].isspace():
@@ -53,12 +52,12 @@ def with_variables(source: DeckText, by_columns: bool, changes: Iterable[str]) -
 class _Writer:
     """The values of the variables, and the pieces of text written so far."""
 
-    def __init__(self, expansion: Expansion, given: Mapping[str, str]):
+    def __init__(self, expansion: Expansion, chosen: Mapping[str, str]):
         self.faults: list[Fault] = []
         self.pieces: list[Piece] = []
         self.values: dict[str, float] = {}
         numbers: dict[str, float] = {}
-        for name, word in given.items():
+        for name, word in chosen.items():
             try:
                 numbers[name] = real(word)[0]
             except Misspelt as fault:
@@ -71,7 +70,7 @@ class _Writer:
                 )
                 value = 1.0
             self.values[name] = value
-        self.known = expansion.definitions
+        self.definitions = expansion.definitions
 
     def line(self, number: int, text: str, code: str, aligned: bool) -> str:
         """Return a line with values in the places of its variables."""
@@ -109,10 +108,10 @@ class _Writer:
         except WrongFormula as fault:
             self.faults.append(Fault("error", f"this is no formula: {fault}", place, inside, id="DECK-090"))
             return None
-        unknown = [name for name in parsed.names if name not in self.known]
+        unknown = [name for name in parsed.names if name not in self.definitions]
         if unknown:
-            known = ", ".join(self.known) or "none"
-            message = f"no line SET defines {unknown[0]}; the deck has {known}"
+            names = ", ".join(self.definitions) or "none"
+            message = f"no line SET defines {unknown[0]}; the deck has {names}"
             self.faults.append(Fault("error", message, place, id="DECK-091"))
             return None
         value = float(parsed.value(self.values.__getitem__))
@@ -127,9 +126,9 @@ class _Writer:
     ) -> tuple[str, str, int]:
         """Return the line before a value, the value in its columns, and where the line continues."""
         whole = _spelled(value, point=True)
-        wanted = min(max(len(whole), width), WIDEST)
-        left = min(len(written) - len(written.rstrip(" ")), wanted - width) if wanted > width else 0
-        right = min(right, max(0, wanted - width - left))
+        columns = min(max(len(whole), width), WIDEST)
+        left = min(len(written) - len(written.rstrip(" ")), columns - width) if columns > width else 0
+        right = min(right, max(0, columns - width - left))
         room = width + left + right
         spelled = whole if len(whole) <= room else filled(value, room)
         if not spelled or abs(float(spelled) - value) > ROUNDED * abs(value):
@@ -241,15 +240,15 @@ def _variable(name: str, value: float, expansion: Expansion) -> Number:
     return Number(name, value, "variable of the deck", "", expansion.places[name], text)
 
 
-def changed_by(deck: Deck, given: Mapping[str, float]) -> dict[str, float]:
-    """Return the values of the numbers that depend on variables once some of these are given.
+def changed_by(deck: Deck, chosen: Mapping[str, float]) -> dict[str, float]:
+    """Return the values of the numbers that depend on variables once some of these are chosen.
 
     Raises DeckError where a variable has none.
     """
     expansion = deck.source.expansion
     assert expansion is not None, "it has variables"
     values: dict[str, float] = {}
-    for name, value in evaluated(dict(expansion.definitions), dict(given)):
+    for name, value in evaluated(dict(expansion.definitions), dict(chosen)):
         if isinstance(value, str):
             raise DeckError(
                 [Fault("error", f"the variable {name} {value}", expansion.places[name], id="DECK-089")]
