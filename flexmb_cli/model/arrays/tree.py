@@ -205,7 +205,9 @@ def _elastic_bodies(tree: Tree, index: Mapping[Any, Any], of_body: Sequence[int]
         places = slice(record["first"][0], record["first"][0] + elastic.coordinates)
         reach[places] = row_reach(own)
         records.append(record)
-    flat = [np.concatenate([np.zeros(0), *parts]) for parts in matrices.values()]
+    flat = [
+        parts[0] if len(parts) == 1 else np.concatenate([np.zeros(0), *parts]) for parts in matrices.values()
+    ]
     return np.concatenate(records) if records else np.zeros(0, ELASTIC_BODY), reach, *flat
 
 
