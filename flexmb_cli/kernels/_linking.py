@@ -21,7 +21,8 @@ from ._numba import (
     types,
 )
 
-_MADE_BY_NUMBA = "_Z"  # the names of all functions that come from Python begin so
+# The names of functions that come from Python, and of those of numba's memory, begin so.
+_MADE_BY_NUMBA = ("_Z", "NRT_")
 _LATE = RuntimeLinker.PREFIX  # of what is called before it is compiled: by itself, or in a circle
 ENVIRONMENT = "_ZN08NumbaEnv"  # numba's name of the globals that point to a function's constants
 
@@ -65,7 +66,13 @@ def refuse_missing(module: Any) -> None:
     late = {variable.name for variable in module.global_variables if variable.name.startswith(_LATE)}
     missing = (called - there) | {name.removeprefix(_LATE) for name in late}
     if missing:
-        raise AssertionError(f"{min(missing)} was not linked: do kernels call one another in a circle?")
+        name = min(missing)
+        cause = (
+            "does it assign an array to an array? Copy the elements"
+            if name.startswith("NRT_")
+            else "do kernels call one another in a circle?"
+        )
+        raise AssertionError(f"{name} was not linked: {cause}")
 
 
 class PartCompiler(Compiler):

@@ -84,6 +84,25 @@ def test_kernels_that_call_one_another_in_a_circle_are_refused(tmp_path):
     assert done.returncode == 1 and "in a circle?" in done.stderr
 
 
+OVERLAPPING = """
+import numpy as np
+from flexmb_cli.kernels._jit import allocating
+
+@allocating
+def assign(a, b):
+    a[:, 0] = b[:, 1]
+
+assign(np.zeros((3, 3)), np.ones((3, 3)))
+"""
+
+
+@pytest.mark.processes
+def test_a_kernel_that_assigns_an_array_to_an_array_is_refused(tmp_path):
+    """numba takes memory of its own in case they overlap; loaded from the cache it ended the process."""
+    done = ran(tmp_path, OVERLAPPING)
+    assert done.returncode == 1 and "assign an array to an array" in done.stderr
+
+
 BEYOND = """
 import numpy as np
 from flexmb_cli.kernels._jit import kernel, part
