@@ -256,8 +256,7 @@ def _located(fault: Fault, lines: "Sequence[str]") -> tuple[str, Place | None, s
     """Return file ("": that of the deck), place and line of a fault as they were read."""
     place, located = fault.place, getattr(lines, "located", None)
     if place is not None and located is not None:
-        found: tuple[str, Place, str] = located(place)
-        return found
+        return located(place)
     known = place is not None and 1 <= place.line <= len(lines)
     return "", place, lines[place.line - 1] if place is not None and known else None
 

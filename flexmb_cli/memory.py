@@ -41,8 +41,7 @@ def paged_zeros(shape: tuple[int, ...], dtype: "type[Any]" = float) -> "np.ndarr
     if size < SMALLEST_PAGED or not hasattr(mmap, "MAP_PRIVATE"):
         return np.zeros(shape, dtype)
     pages = mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
-    found: np.ndarray = np.frombuffer(pages, dtype).reshape(shape)
-    return found
+    return np.frombuffer(pages, dtype).reshape(shape)
 
 
 def require_memory(size: int) -> None:

@@ -200,8 +200,7 @@ def junit_bytes(title: str, compared: Sequence[Compared]) -> bytes:
         elif pair.report is not None and pair.report.unreadable:
             ElementTree.SubElement(case, "system-out").text = lines_visible(pair.sentence).rstrip("\n")
     ElementTree.indent(top)
-    found: bytes = ElementTree.tostring(top, encoding="utf-8", xml_declaration=True) + b"\n"
-    return found
+    return ElementTree.tostring(top, encoding="utf-8", xml_declaration=True) + b"\n"
 
 
 def _add_failure(case: Any, pair: Compared) -> None:

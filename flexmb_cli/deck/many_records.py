@@ -35,8 +35,7 @@ class NumberTable:
         """Return which records (record,) have a number under a key."""
         import numpy as np
 
-        found: np.ndarray = ~np.isnan(self._given[:, self._places[key]])
-        return found
+        return ~np.isnan(self._given[:, self._places[key]])
 
     @cached_property
     def _given(self) -> "np.ndarray":

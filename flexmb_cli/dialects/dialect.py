@@ -67,8 +67,7 @@ class Dialect(NamedTuple):
         """Return what a reference names."""
         module, _, name = reference.partition(":")
         # A command imports the parts that it uses.
-        found: Callable[..., Any] = getattr(import_module(f"{self.package}.{module}"), name)
-        return found
+        return getattr(import_module(f"{self.package}.{module}"), name)
 
     def fits(self, lines: Sequence[str]) -> bool:
         """Return whether a deck of these lines begins like one of this dialect."""
@@ -76,13 +75,11 @@ class Dialect(NamedTuple):
 
     def read(self, source: DeckText) -> Deck:
         """Return the deck with every number named and placed; raises DeckError."""
-        found: Deck = self.part(self.reader)(source)
-        return found
+        return self.part(self.reader)(source)
 
     def build(self, deck: Deck, folder: Path) -> tuple[object, list[Fault]]:
         """Return the model, file names being relative to `folder`, and the warnings; raises ModelError."""
-        found: tuple[object, list[Fault]] = self.part(self.builder)(deck, folder)
-        return found
+        return self.part(self.builder)(deck, folder)
 
     def takes_steps(self, deck: Deck) -> bool:
         """Return whether the deck's analysis takes time steps, rather than solve each row for itself."""

@@ -84,8 +84,7 @@ def dialect_named(name: str) -> Dialect:
             [Fault("error", f"there is no dialect {name!r}, only {', '.join(DIALECTS)}", id="DECK-014")]
         )
     # A run imports its own dialect only.
-    found: Dialect = import_module(DIALECTS[name][0]).DIALECT
-    return found
+    return import_module(DIALECTS[name][0]).DIALECT
 
 
 def every_dialect() -> Iterator[Dialect]:

@@ -77,8 +77,7 @@ def _independent(shapes: np.ndarray, forces: np.ndarray, first: int) -> tuple[np
 
 
 def _symmetric(gram: np.ndarray) -> np.ndarray:
-    found: np.ndarray = (gram + gram.T) / 2
-    return found
+    return (gram + gram.T) / 2
 
 
 def _pivots(gram: np.ndarray, first: Any) -> np.ndarray:

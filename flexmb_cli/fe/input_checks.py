@@ -96,8 +96,7 @@ def check_isotropy(given: FlexibleInput, S: np.ndarray, findings: Findings) -> f
 
 def scalar_mass(S: np.ndarray) -> np.ndarray:
     """The n x n matrix m of S^ij = m_ij E, the mean of the three directions."""
-    found: np.ndarray = (S[0::3, 0::3] + S[1::3, 1::3] + S[2::3, 2::3]) / 3
-    return found
+    return (S[0::3, 0::3] + S[1::3, 1::3] + S[2::3, 2::3]) / 3
 
 
 def rigid_motions(r: np.ndarray) -> np.ndarray:

@@ -48,8 +48,7 @@ def all_but(size: int, chosen: np.ndarray) -> np.ndarray:
 def distinct(values: np.ndarray) -> np.ndarray:
     """Return the different ones of some numbers, in order."""
     values = np.sort(values, axis=None)
-    found: np.ndarray = values[np.concatenate([[True], values[1:] != values[:-1]])[: len(values)]]
-    return found
+    return values[np.concatenate([[True], values[1:] != values[:-1]])[: len(values)]]
 
 
 def as_array(A: np.ndarray) -> np.ndarray:

@@ -75,5 +75,4 @@ def _stiffening(tree: Tree, k: int, elastic: Elasticity) -> np.ndarray:
         return np.zeros((0, 0, elastic.coordinates, elastic.coordinates))
     d = beam_direction(elastic.positions, elastic.stiffened_from)
     assert d is not None, "a stiffened body has a direction"
-    found: np.ndarray = -np.multiply.outer(np.outer(d, d), stiffened_by(tree, k, 1))
-    return found
+    return -np.multiply.outer(np.outer(d, d), stiffened_by(tree, k, 1))

@@ -62,8 +62,7 @@ class MassSplit:
     @property
     def factor(self) -> np.ndarray:
         """F (size, rank) with F F' = S and orthogonal columns."""
-        found: np.ndarray = self.heavy * np.sqrt(self.masses)
-        return found
+        return self.heavy * np.sqrt(self.masses)
 
 
 def split_by_mass(S: np.ndarray) -> MassSplit:
@@ -92,8 +91,7 @@ def quasi_static_shapes(K: np.ndarray, light: np.ndarray) -> np.ndarray:
     values, vectors = np.linalg.eigh((stiffness + stiffness.T) / 2)
     shapes = light @ vectors
     check_strain(K, shapes[:, 0])
-    found: np.ndarray = shapes / np.sqrt(values)
-    return found
+    return shapes / np.sqrt(values)
 
 
 def massless_in_motion(S: np.ndarray, moved: np.ndarray) -> np.ndarray:
@@ -112,5 +110,4 @@ def static_mass(values: np.ndarray, light: np.ndarray) -> np.ndarray:
     It works on the share that a deformation has in `light`, as K measures shares, and on nothing else.
     """
     forces = values[:, None] * light
-    found: np.ndarray = forces @ np.linalg.solve(light.T @ forces, forces.T) / values[-1]
-    return found
+    return forces @ np.linalg.solve(light.T @ forces, forces.T) / values[-1]

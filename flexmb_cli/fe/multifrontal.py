@@ -59,8 +59,7 @@ def _touching(graph: Any, nodes: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Return which of `nodes` have an edge to one of `others`."""
     among = np.zeros(graph.shape[0], dtype=np.int32)
     among[others] = 1
-    found: np.ndarray = graph[nodes] @ among > 0
-    return found
+    return graph[nodes] @ among > 0
 
 
 def _fronts(lower: Any, bounds: list[int], counts: tuple[int, ...]) -> Iterator[Front]:

@@ -87,8 +87,7 @@ def _resists_translation(coupling: Matrix, largest: float) -> np.ndarray:
     size = coupling.shape[1]
     forces = np.abs(coupling @ np.tile(np.eye(3), (size // 3, 1))).max(axis=1)
     least = np.maximum(RESISTED * (abs(coupling) @ np.ones(size)), ROUND_OFF_ROW * largest)
-    found: np.ndarray = forces > least
-    return found
+    return forces > least
 
 
 def _labels(file: MatrixFile, rows: np.ndarray) -> list[tuple[int, int]]:
@@ -135,8 +134,7 @@ def _check_finite(name: str, file: MatrixFile) -> None:
 def _symmetric(name: str, file: MatrixFile) -> np.ndarray:
     matrix = summed(file.values, file.rows, file.columns, file.size)
     if file.one_triangle:
-        found: np.ndarray = matrix + without_diagonal(matrix).T
-        return found
+        return matrix + without_diagonal(matrix).T
     largest = abs(matrix).max()
     skew = abs(matrix - matrix.T)
     if skew.max() > SYMMETRY * largest:
@@ -146,8 +144,7 @@ def _symmetric(name: str, file: MatrixFile) -> np.ndarray:
             f"{matrix[row, column]:.6g} and {matrix[column, row]:.6g}",
             id="FE-065",
         )
-    mean: np.ndarray = (matrix + matrix.T) / 2
-    return mean
+    return (matrix + matrix.T) / 2
 
 
 def _rows_of_nodes(name: str, equations: np.ndarray, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -84,8 +84,7 @@ def _fits(magnitudes: np.ndarray, digits: int) -> np.ndarray:
     """Return which numbers are content with so many significant digits."""
     unit = 10.0 ** (np.floor(np.log10(magnitudes)) + 1 - digits)
     unit = np.maximum(unit, np.finfo(float).smallest_subnormal)
-    found: np.ndarray = np.abs(np.rint(magnitudes / unit) * unit - magnitudes) <= 1e-15 * magnitudes
-    return found
+    return np.abs(np.rint(magnitudes / unit) * unit - magnitudes) <= 1e-15 * magnitudes
 
 
 def _look_rounded(values: np.ndarray, digits: int) -> bool:

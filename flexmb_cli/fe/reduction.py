@@ -153,18 +153,15 @@ def _effective_limit(S: np.ndarray, frame: Frame) -> np.ndarray:
     carried = (S @ rigid)[free]
     inner = S[free][:, free]
     if not isinstance(inner, np.ndarray):
-        found: np.ndarray = np.einsum("ij,ij->j", carried, of_mass(inner, carried))
-        return found
+        return np.einsum("ij,ij->j", carried, of_mass(inner, carried))
     # Shapes without mass make the matrix singular; they carry nothing.
     split = split_by_mass(inner)
-    of_masses: np.ndarray = np.sum((split.heavy.T @ carried) ** 2 / split.masses[:, None], axis=0)
-    return of_masses
+    return np.sum((split.heavy.T @ carried) ** 2 / split.masses[:, None], axis=0)
 
 
 def _in_axes_of_table(frame: Frame, Phi: np.ndarray) -> np.ndarray:
     n, size = len(frame.r0), Phi.shape[1]
-    found: np.ndarray = np.einsum("ab,nbk->nak", frame.axes, Phi.reshape(n, 3, size)).reshape(3 * n, size)
-    return found
+    return np.einsum("ab,nbk->nak", frame.axes, Phi.reshape(n, 3, size)).reshape(3 * n, size)
 
 
 def _errors(
@@ -203,8 +200,7 @@ def _geometric(
         found = _read(given, load.file, "G", partial(nodal_part, stiffness=matrices.of_stiffness), findings)
         if found is not None:
             reduced[load.i, load.j] = shapes.T @ (found.matrix @ shapes)
-    made: np.ndarray = np.einsum("ia,jb,ijkl->abkl", frame.axes, frame.axes, reduced)
-    return made
+    return np.einsum("ia,jb,ijkl->abkl", frame.axes, frame.axes, reduced)
 
 
 def centrifugal_stiffness(

@@ -42,16 +42,14 @@ class Frame:
         if self.mean:
             return without_momentum(self.r0, shapes, S)
         rigid = rigid_motions(self.r0)
-        found: np.ndarray = shapes - rigid @ np.linalg.solve(rigid[self.held], shapes[self.held])
-        return found
+        return shapes - rigid @ np.linalg.solve(rigid[self.held], shapes[self.held])
 
 
 def without_momentum(r0: np.ndarray, shapes: np.ndarray, S: np.ndarray) -> np.ndarray:
     """`shapes` (3 n, k) less the rigid motion that has their momentum and moment of momentum."""
     rigid = rigid_motions(r0)
     weighted = (S @ rigid).T
-    found: np.ndarray = shapes - rigid @ np.linalg.solve(weighted @ rigid, weighted @ shapes)
-    return found
+    return shapes - rigid @ np.linalg.solve(weighted @ rigid, weighted @ shapes)
 
 
 def reference_frame(given: FlexibleInput, centre: np.ndarray) -> Frame:
@@ -112,8 +110,7 @@ def as_solved(frame: Frame, shapes: np.ndarray) -> np.ndarray:
     if not frame.mean:
         return shapes
     rows, rigid = _supports(frame.r0), rigid_motions(frame.r0)
-    found: np.ndarray = shapes - rigid @ np.linalg.solve(rigid[rows], shapes[rows])
-    return found
+    return shapes - rigid @ np.linalg.solve(rigid[rows], shapes[rows])
 
 
 def unit_forces(size: int, rows: np.ndarray) -> np.ndarray:

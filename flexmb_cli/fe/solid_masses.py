@@ -109,8 +109,7 @@ def _turning(angles: Vector) -> np.ndarray:
     about_x = np.array([[1.0, 0.0, 0.0], [0.0, cx, -sx], [0.0, sx, cx]])
     about_y = np.array([[cy, 0.0, sy], [0.0, 1.0, 0.0], [-sy, 0.0, cy]])
     about_z = np.array([[cz, -sz, 0.0], [sz, cz, 0.0], [0.0, 0.0, 1.0]])
-    found: np.ndarray = about_z @ about_y @ about_x
-    return found
+    return about_z @ about_y @ about_x
 
 
 def combined(solids: Iterable[RigidMass]) -> RigidMass:
@@ -127,5 +126,4 @@ def combined(solids: Iterable[RigidMass]) -> RigidMass:
 
 def about(mass: float, arm: np.ndarray) -> np.ndarray:
     """Return the inertia (3, 3) of a point, kg, at an arm (3,), m, about the arm's origin."""
-    found: np.ndarray = mass * (float(arm @ arm) * np.eye(3) - np.outer(arm, arm))
-    return found
+    return mass * (float(arm @ arm) * np.eye(3) - np.outer(arm, arm))

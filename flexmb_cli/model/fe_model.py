@@ -60,8 +60,7 @@ class VsdfBody:
     def position(self, node: int) -> np.ndarray:
         """Position (3,) of a node, or the mean of a set's, in the axes of the node table."""
         places = [self.nodes[member] for member in self.members(node)]
-        found: np.ndarray = places[0].copy() if len(places) == 1 else np.mean(places, axis=0)
-        return found
+        return places[0].copy() if len(places) == 1 else np.mean(places, axis=0)
 
     @property
     def A(self) -> np.ndarray:
@@ -73,8 +72,7 @@ class VsdfBody:
 
     def global_position(self, node: int) -> np.ndarray:
         """Return where a node is at t = 0, undeformed, global axes (3,)."""
-        found: np.ndarray = np.array(self.r) + self.A @ self.position(node)
-        return found
+        return np.array(self.r) + self.A @ self.position(node)
 
 
 @dataclass(frozen=True)

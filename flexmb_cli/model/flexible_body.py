@@ -182,8 +182,7 @@ class FlexibleBody:
 
     def position(self, node: int) -> np.ndarray:
         """Undeformed position of a node (3,), by its number.  Raises KeyError."""
-        found: np.ndarray = self.r0[self._row(node)]
-        return found
+        return self.r0[self._row(node)]
 
     def shape(self, node: int) -> np.ndarray:
         """Displacement of a node per unit of each modal coordinate, (3, N).  Raises KeyError."""

@@ -30,8 +30,7 @@ def beam_direction(positions: np.ndarray, root: float) -> np.ndarray | None:
     stations = np.concatenate([[root], np.sort(along)])
     if off.max() > _OFF_LINE * length or np.diff(stations).min() <= _OFF_LINE * length:
         return None
-    found: np.ndarray | None = direction
-    return found
+    return direction
 
 
 def geometric_stiffness(positions: np.ndarray, root: float, axial_forces: np.ndarray) -> np.ndarray:

@@ -165,8 +165,7 @@ class Curve:
         half = (b - a) / 2.0
         s = (a + b)[:, None] / 2.0 + half[:, None] * x
         speed = np.linalg.norm(self.at(s.ravel())[1], axis=1).reshape(s.shape)
-        found: np.ndarray = half * (speed @ w)
-        return found
+        return half * (speed @ w)
 
     def lengths(self, s: np.ndarray) -> np.ndarray:
         """Arc lengths (n,), m, from the beginning to the parameters s (n,)."""

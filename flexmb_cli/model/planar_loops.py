@@ -68,8 +68,7 @@ def _axis(joint: Joint, attitudes: np.ndarray) -> np.ndarray:
 def _turned(axis: Vector, body: int, attitudes: np.ndarray) -> np.ndarray:
     """Return the unit vector along an axis of a body, global axes."""
     s = _attitude(body, attitudes) @ np.array(axis)
-    found: np.ndarray = s / np.linalg.norm(s)
-    return found
+    return s / np.linalg.norm(s)
 
 
 def _attitude(body: int, attitudes: np.ndarray) -> np.ndarray:

@@ -204,8 +204,7 @@ def _two_digits(value: float) -> str:
 def _sides(points: np.ndarray) -> np.ndarray:
     """Lengths of the box around points (n, 3), along their principal axes: slender bodies may lie askew."""
     centred = points - points.mean(axis=0)
-    found: np.ndarray = np.ptp(centred @ np.linalg.eigh(centred.T @ centred)[1], axis=0)[::-1]
-    return found
+    return np.ptp(centred @ np.linalg.eigh(centred.T @ centred)[1], axis=0)[::-1]
 
 
 def _farthest(points: Sequence[Any], centre: np.ndarray | tuple[float, float, float]) -> float:
@@ -220,8 +219,7 @@ def _about_centre(
     inertia: np.ndarray, mass: float, centre: np.ndarray | tuple[float, float, float]
 ) -> np.ndarray:
     c = np.asarray(centre, dtype=float)
-    found: np.ndarray = inertia - mass * (c @ c * np.eye(3) - np.outer(c, c))
-    return found
+    return inertia - mass * (c @ c * np.eye(3) - np.outer(c, c))
 
 
 def _of_young(model: "DynamicModel") -> Iterable[Extent]:

@@ -42,8 +42,7 @@ def unit(v: Any) -> np.ndarray:
     """The vector of length one along v, which is not zero."""
     v = np.asarray(v, dtype=float)
     v = v / np.max(np.abs(v))  # squares of very long or short vectors leave the range of doubles
-    found: np.ndarray = v / length(v)
-    return found
+    return v / length(v)
 
 
 def rotation_matrix(p: np.ndarray | tuple[float, float, float, float]) -> np.ndarray:

@@ -38,8 +38,7 @@ if TYPE_CHECKING:
 
 def solution_of(model: Any, run: Run) -> Solution:
     """Return the solution of a model; raises ModelError."""
-    found: Solution = module_for(model, "solutions").solution(model, run)
-    return found
+    return module_for(model, "solutions").solution(model, run)
 
 
 def prepared(deck: Deck, run: Run) -> tuple[Solution, list[Fault]]:

@@ -90,8 +90,7 @@ def _sparse_step(J: "csr_matrix", r: np.ndarray, damping: float) -> np.ndarray:
     from scipy.sparse.linalg import splu
 
     normal = (J.T @ J + damping * identity(J.shape[1])).tocsc()
-    found: np.ndarray = splu(normal, "MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(-J.T @ r)
-    return found
+    return splu(normal, "MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(-J.T @ r)
 
 
 NEAR = 0.1  # of the size, or rad: a body moved less is where its estimate means

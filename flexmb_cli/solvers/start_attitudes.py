@@ -112,8 +112,7 @@ def rotation_between(q: np.ndarray, item: StartAttitude) -> np.ndarray:
     """Return the rotation vector (3,), rad, global axes, that takes the triad of i to that of j."""
     p = euler_parameters(_axes(q, item.j) @ item.of_j @ (_axes(q, item.i) @ item.of_i).T)
     size = float(np.linalg.norm(p[1:]))
-    found: np.ndarray = 2.0 * math.atan2(size, p[0]) / max(size, 1e-300) * p[1:]
-    return found
+    return 2.0 * math.atan2(size, p[0]) / max(size, 1e-300) * p[1:]
 
 
 def turned_right(gaps: PositionGaps, attitudes: Sequence[StartAttitude], t: float) -> np.ndarray:

@@ -130,8 +130,7 @@ class CaseSolver:
     @staticmethod
     def _values_of(quantity: Quantity, values: Values) -> np.ndarray:
         rows_of: tuple[Any, ...] = (slice(None), *quantity.index)
-        found: np.ndarray = values[quantity.dataset][rows_of]
-        return found
+        return values[quantity.dataset][rows_of]
 
     def solve(self, case: int) -> CaseResult:
         """The result of a case; what fails is reported in it."""

@@ -163,8 +163,7 @@ def _stiffened_from(values: DeckValues, k: int, positions: np.ndarray, findings:
             id="DAFMS-017",
         )
         return None
-    found: float | None = root
-    return found
+    return root
 
 
 def _node_vectors(values: DeckValues, section: str, k: int, nodes: int) -> np.ndarray:
@@ -223,5 +222,4 @@ def _damping(
     if not (alpha or beta):
         return None
     dofs = len(stiffness) // len(masses)
-    found: np.ndarray | None = alpha * np.diag(np.repeat(masses, dofs)) + beta * stiffness
-    return found
+    return alpha * np.diag(np.repeat(masses, dofs)) + beta * stiffness

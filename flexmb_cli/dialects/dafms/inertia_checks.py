@@ -148,8 +148,7 @@ def _cross(v: np.ndarray) -> np.ndarray:
 
 
 def _rotation(axis: int, angle: float) -> np.ndarray:
-    found: np.ndarray = _matrix((np.cos(angle / 2), *(np.sin(angle / 2) * np.eye(3)[axis - 1])))
-    return found
+    return _matrix((np.cos(angle / 2), *(np.sin(angle / 2) * np.eye(3)[axis - 1])))
 
 
 def _matrix(attitude: tuple[float, float, float, float]) -> np.ndarray:

@@ -25,8 +25,7 @@ def single_precision(a: np.ndarray, b: np.ndarray, unit: np.ndarray) -> np.ndarr
     size = np.maximum(np.abs(a), np.abs(b))
     with np.errstate(invalid="ignore"):
         # Each rounding to the printed digits takes half a unit.
-        found: np.ndarray = np.abs(a - b) <= np.finfo(np.float32).eps / 2 * size + (1 + 1e-9) * unit
-        return found
+        return np.abs(a - b) <= np.finfo(np.float32).eps / 2 * size + (1 + 1e-9) * unit
 
 
 ECHO = ListingForm(

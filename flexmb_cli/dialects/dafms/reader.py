@@ -101,8 +101,7 @@ def _find_model(records: Records) -> Number:
             records.stop("", message, id="DAFMS-157")
         skipped.add(line)
     skipped.flush()
-    found: Number = records.end_of_deck("", "a DFMB card")
-    return found
+    return records.end_of_deck("", "a DFMB card")
 
 
 def _read_control(records: Records, layout: Layout, read: list[Record]) -> None:

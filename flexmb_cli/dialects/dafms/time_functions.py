@@ -237,5 +237,4 @@ def _closure_node(
         message = f"{key} = {number.value}, but {where}; 0 takes the vector"
         findings.error(record.subject, message, number.place, id="DAFMS-074")
         return None
-    found: int | None = number.value - 1
-    return found
+    return number.value - 1

@@ -219,8 +219,7 @@ def _placed_attitude(
             f"{given:.6g} m from the first one: the node lies {abs(distance - given):.3g} m beside its point"
         )
         findings.warn(records[1].subject, message, records[1].place, id="VSDF-099")
-    found: np.ndarray | None = wanted @ own.T
-    return found
+    return wanted @ own.T
 
 
 def _triad(places: np.ndarray) -> np.ndarray | None:

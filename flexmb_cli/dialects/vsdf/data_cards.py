@@ -125,8 +125,7 @@ class CardReader:
             self.at += 1
             line = self.lines[self.at - 1].rstrip()
             if line and not line.startswith(_COMMENT):
-                found: str | None = line
-                return found
+                return line
         return None
 
     def read_second(self, card: Card) -> list[Number]:

@@ -114,5 +114,4 @@ class ManyNodes(Mapping[int, np.ndarray]):
         place = int(self._numbers.searchsorted(number))
         if place == len(self) or self._numbers[place] != number:
             raise KeyError(number)
-        found: np.ndarray = self._positions[self._order[place]]
-        return found
+        return self._positions[self._order[place]]

@@ -84,8 +84,7 @@ def _kept_part(record: Any, bodies: int) -> tuple[Any, FaultList]:
     # A study makes thousands of decks that differ in a record or two, and share the others.
     if bodies not in record.made:
         record.made[bodies] = part_of(record, bodies)
-    found: tuple[Any, FaultList] = record.made[bodies]
-    return found
+    return record.made[bodies]
 
 
 def _refuse_if_faulty(deck: Deck, findings: Findings, counted: Findings | None = None) -> None:

@@ -80,8 +80,7 @@ def analysis_of(deck: Deck) -> 'Literal["inverse", "forward"] | None':
     """
     opened = deck.section(SECTION)
     if opened:
-        analysis: Literal["inverse", "forward"] = opened[0]["analysis"]
-        return analysis
+        return opened[0]["analysis"]
     return "inverse" if deck.section(ELEMENTS) else None
 
 

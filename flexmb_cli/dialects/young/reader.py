@@ -63,8 +63,7 @@ class ReadRecord(Record):
 
     def at(self, key: str) -> Number:
         """The number called `key`."""
-        found: Number = self._number(self.positions[key])
-        return found
+        return self._number(self.positions[key])
 
     def _number(self, k: int) -> Number:
         word, column = self._words[self._first + k], self._section.columns[k]

@@ -102,8 +102,7 @@ def _lumped(elements: np.ndarray) -> np.ndarray:
             "negative mass; take CONS",
             id="FE-160",
         )
-    found: np.ndarray = elements.sum(axis=2)[:, :, None] * np.eye(nodes)
-    return found
+    return elements.sum(axis=2)[:, :, None] * np.eye(nodes)
 
 
 def assembled_text(given: FlexibleInput, table: BodyTable) -> str:
@@ -142,8 +141,7 @@ def shape_values(points: np.ndarray, nodes: int) -> np.ndarray:
         return tetrahedra.shape_values(points, nodes)
     corners = np.prod(1 + points[:, None] * CUBE[:8], axis=-1) / 8
     if nodes == 8:
-        found: np.ndarray = corners
-        return found
+        return corners
     values = np.empty((len(points), 20))
     values[:, :8] = corners * ((points[:, None] * CUBE[:8]).sum(axis=-1) - 2)
     for a in range(8, 20):

@@ -72,15 +72,13 @@ def _folded(numbers: np.ndarray, rows: np.ndarray, positions: np.ndarray) -> int
 def _determinants(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
     """Return det J (m, g) at the points of integration of elements."""
     points, _ = integration_points(rows.shape[1], FORMULATIONS[rows.shape[1]][0])
-    found: np.ndarray = np.linalg.det(jacobians(positions[rows], points))
-    return found
+    return np.linalg.det(jacobians(positions[rows], points))
 
 
 def _relative_determinants(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
     """Return det J (m, k) at the nodes of elements, relative to its mean at the points of integration."""
     at_nodes = np.linalg.det(jacobians(positions[rows], node_coordinates(rows.shape[1])))
-    found: np.ndarray = at_nodes / _determinants(rows, positions).mean(axis=1)[:, None]
-    return found
+    return at_nodes / _determinants(rows, positions).mean(axis=1)[:, None]
 
 
 def warn_of_distortion(

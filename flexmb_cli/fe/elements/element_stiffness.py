@@ -77,8 +77,7 @@ def assembled(elements: np.ndarray, rows: np.ndarray, n: int, directions: int) -
     width = places.shape[1]
     i = np.repeat(places, width, axis=1).ravel()
     j = np.tile(places, (1, width)).ravel()
-    found: np.ndarray = summed(elements.ravel(), i, j, directions * n)
-    return found
+    return summed(elements.ravel(), i, j, directions * n)
 
 
 def uniform_strain_deviation(
@@ -124,8 +123,7 @@ def stresses(body: BodyElements, displacements: np.ndarray, part: slice) -> np.n
     rows = made.rows[part]
     nodal = displacements.reshape(-1, 3, count)[rows].reshape(len(rows), -1, count)
     full = np.concatenate([nodal, body.internal[part] @ nodal], axis=1)
-    found: np.ndarray = np.einsum("ab,mgbi,mic->mgac", body.D, made.strains(part), full, optimize=True)
-    return found
+    return np.einsum("ab,mgbi,mic->mgac", body.D, made.strains(part), full, optimize=True)
 
 
 def _tensor(stress: np.ndarray) -> np.ndarray:

@@ -150,8 +150,7 @@ def node_coordinates(nodes: int) -> np.ndarray:
 
 def jacobians(place: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Return Jacobians (m, g, 3, 3) at natural `points` (g, 3) of elements of nodes at `place` (m, k, 3)."""
-    found: np.ndarray = np.einsum("mki,gkj->mgij", place, shape_slopes(points, place.shape[1]))
-    return found
+    return np.einsum("mki,gkj->mgij", place, shape_slopes(points, place.shape[1]))
 
 
 def solid_elements(positions: np.ndarray, rows: np.ndarray, formulation: Formulation) -> SolidElements:
@@ -173,8 +172,7 @@ def _incompatible(place: np.ndarray, points: np.ndarray, det: np.ndarray | None)
     centre = np.einsum("mki,kj->mij", place, shape_slopes(np.zeros((1, 3)), place.shape[1])[0])
     scale = np.ones((len(place), len(points))) if det is None else np.linalg.det(centre)[:, None] / det
     natural = -2 * points[:, :, None] * np.eye(_INTERNAL)
-    found: np.ndarray = np.einsum("mg,gaj,mji->mgai", scale, natural, np.linalg.inv(centre))
-    return found
+    return np.einsum("mg,gaj,mji->mgai", scale, natural, np.linalg.inv(centre))
 
 
 def elasticity(young: float, poisson: float) -> np.ndarray:

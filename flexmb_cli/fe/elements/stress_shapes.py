@@ -149,8 +149,7 @@ def extrapolation(nodes: int, formulation: Formulation) -> np.ndarray:
     """Matrix (k, g) from values at the points of integration to those at the nodes of an element."""
     points, _ = integration_points(nodes, formulation)
     terms = _terms_of(nodes, len(points))
-    found: np.ndarray = terms(node_coordinates(nodes)) @ np.linalg.pinv(terms(points))
-    return found
+    return terms(node_coordinates(nodes)) @ np.linalg.pinv(terms(points))
 
 
 def _terms_of(nodes: int, count: int) -> Callable[..., Any]:

@@ -87,5 +87,4 @@ def _read(
 def _reader(reference: str) -> Callable[..., Any]:
     """Return what reads a format; a run imports the readers of its files only."""
     module, _, name = reference.partition(":")
-    reader: Callable[..., Any] = getattr(import_module(f"{__package__}.{module}"), name)
-    return reader
+    return getattr(import_module(f"{__package__}.{module}"), name)

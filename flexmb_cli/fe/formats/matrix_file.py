@@ -82,8 +82,7 @@ def mirrored(rows: np.ndarray, columns: np.ndarray, size: int) -> np.ndarray:
     off = np.flatnonzero(rows != columns)
     forward = rows[off].astype(np.int64) * size + columns[off]
     images = columns[off].astype(np.int64) * size + rows[off]
-    found: np.ndarray = off[np.isin(forward, images, assume_unique=False)]
-    return found
+    return off[np.isin(forward, images, assume_unique=False)]
 
 
 def size_hint(size: int, nodes: float) -> str:

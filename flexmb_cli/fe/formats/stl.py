@@ -53,8 +53,7 @@ def read_stl(path: Path) -> tuple[np.ndarray, np.ndarray]:
         raise FEFileFault(f"{path.name} {message}", id="FE-075")
     if not np.isfinite(corners).all():
         raise FEFileFault(f"{path.name} has corners that are not finite; write it again", id="FE-076")
-    found: tuple[np.ndarray, np.ndarray] = _joined(path.name, corners)
-    return found
+    return _joined(path.name, corners)
 
 
 def hull_corners(path: Path) -> np.ndarray:

@@ -72,8 +72,7 @@ class PrimitiveTable(FunctionTable):
     def position(self, point: NodePoint) -> np.ndarray:
         """Return where a point is at t = 0, global axes."""
         origin = np.zeros(3) if point.body < 0 else self.bodies[point.body].r
-        found: np.ndarray = origin + self.A(point.body) @ point.r0
-        return found
+        return origin + self.A(point.body) @ point.r0
 
     def place_of(self, body_vector: int) -> np.ndarray:
         """Return where the point at the end of a body vector is at t = 0, undeformed, global axes."""
@@ -153,8 +152,7 @@ class PrimitiveTable(FunctionTable):
             record["next"] = self._next
             self._next = self.spring(record) - len(self.measured)
         records[0]["next"], self._next = self._next, NONE
-        found: np.ndarray = records[0]
-        return found
+        return records[0]
 
     def _primitives(self) -> np.ndarray:
         """All primitives; those that are added to others are counted behind the equations."""

@@ -77,8 +77,7 @@ class PointJoints:
     def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
         """The primitive of a joint coordinate; `expected`: an angle at the start, where it is not 0."""
         if coordinate == STROKE:
-            found: np.ndarray = self._vectors(joint).stroke()
-            return found
+            return self._vectors(joint).stroke()
         if joint not in self._turning:  # a deck may have thousands of elements at one joint
             self._turning[joint] = self._vectors(joint).turning()
         return self.table.angle(*self._turning[joint], expected)

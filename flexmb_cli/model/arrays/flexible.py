@@ -61,8 +61,7 @@ def _mode_scale(body: FloatingBody, length: float) -> np.ndarray:
     """The modal coordinates whose largest displacement is `length`."""
     if body.flexible is None:
         return np.zeros(0)
-    found: np.ndarray = length / np.abs(body.flexible.Phi).max(axis=0)
-    return found
+    return length / np.abs(body.flexible.Phi).max(axis=0)
 
 
 def _masses(bodies: Sequence[FloatingBody]) -> np.ndarray:

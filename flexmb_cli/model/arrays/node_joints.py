@@ -34,8 +34,7 @@ class JointVectors:
 
     def _unit(self, points: tuple[NodePoint, ...]) -> np.ndarray:
         s = points[1].r0 - points[0].r0
-        found: np.ndarray = s / np.linalg.norm(s)
-        return found
+        return s / np.linalg.norm(s)
 
     def body_vector_of(self, points: tuple[NodePoint, ...]) -> int:
         """The vector from P to Q, 1 long at t = 0."""
@@ -96,8 +95,7 @@ class JointVectors:
         along, length = abs(h @ s), np.linalg.norm(h)
         if along <= ACROSS * length or along >= (1.0 - ACROSS) * length:
             return np.eye(3)
-        found: np.ndarray = np.eye(3) - np.outer(s, s)
-        return found
+        return np.eye(3) - np.outer(s, s)
 
     def stroke(self) -> np.ndarray:
         """The primitive of the stroke, 0 at t = 0."""

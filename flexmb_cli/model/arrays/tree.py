@@ -174,8 +174,7 @@ def initial_attitudes(tree: Tree) -> np.ndarray:
     """Euler parameters (balls, 4) of the hinges with three rotations, in the order of their bodies."""
     balls = [hinge.attitude for hinge in tree.hinges if len(hinge.rotations) == 3]
     attitudes = np.array(balls, float).reshape(-1, 4)
-    found: np.ndarray = attitudes / np.linalg.norm(attitudes, axis=1, keepdims=True)
-    return found
+    return attitudes / np.linalg.norm(attitudes, axis=1, keepdims=True)
 
 
 def _records(dtype: np.dtype, rows: list[Any]) -> np.ndarray:

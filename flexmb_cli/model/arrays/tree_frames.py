@@ -59,8 +59,7 @@ def rotation_matrix(attitude: np.ndarray | tuple[float, float, float, float]) ->
     e0, *vector_part = np.array(attitude, float) / math.hypot(*attitude)
     e = np.array(vector_part)
     cross = np.array([[0, -e[2], e[1]], [e[2], 0, -e[0]], [-e[1], e[0], 0]])
-    found: np.ndarray = 2 * np.outer(e, e) + (2 * e0 * e0 - 1) * np.eye(3) + 2 * e0 * cross
-    return found
+    return 2 * np.outer(e, e) + (2 * e0 * e0 - 1) * np.eye(3) + 2 * e0 * cross
 
 
 @dataclass(frozen=True, eq=False)

@@ -200,5 +200,4 @@ def place_of(point: Any) -> Vector:
 def about_centre(mass: float, centre: np.ndarray, inertia: np.ndarray) -> np.ndarray:
     """Return moments of inertia (3, 3) about the mass centre (3,), of those about the origin (Steiner)."""
     c = centre
-    found: np.ndarray = np.asarray(inertia, float) - mass * (c @ c * np.eye(3) - np.outer(c, c))
-    return found
+    return np.asarray(inertia, float) - mass * (c @ c * np.eye(3) - np.outer(c, c))

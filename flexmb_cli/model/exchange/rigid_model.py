@@ -108,8 +108,7 @@ class RigidModel:
     def position(self, body: int, point: Any) -> np.ndarray:
         """Global position (3,) at the start of a point of a body or of the ground."""
         point = np.asarray(point, float)
-        found: np.ndarray = point if body == GROUND else self.bodies[body].r + self.bodies[body].A @ point
-        return found
+        return point if body == GROUND else self.bodies[body].r + self.bodies[body].A @ point
 
     def velocity(self, body: int, point: Any) -> np.ndarray:
         """Global velocity (3,) at the start of a point of a body or of the ground."""
@@ -125,15 +124,13 @@ class RigidModel:
     def axis(self, joint: RigidJoint) -> np.ndarray:
         """Unit vector (3,) along the axis of a joint at the start, global axes."""
         s = self.axes(joint.i) @ np.array(joint.s_i)
-        found: np.ndarray = s / np.linalg.norm(s)
-        return found
+        return s / np.linalg.norm(s)
 
 
 def across(axis: np.ndarray) -> np.ndarray:
     """A unit vector (3,) at right angles to an axis."""
     g = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    found: np.ndarray = g / np.linalg.norm(g)
-    return found
+    return g / np.linalg.norm(g)
 
 
 def vector(values: Any) -> Vector:

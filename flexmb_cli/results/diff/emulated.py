@@ -83,8 +83,7 @@ def _rows(mechanism: Mechanism, errors: frozenset[str]) -> list[Rows]:
 
 def _agrees(values: np.ndarray, printed: np.ndarray, unit: np.ndarray) -> np.ndarray:
     with np.errstate(invalid="ignore"):
-        found: np.ndarray = np.abs(values - printed) <= (1.0 + 1e-9) * unit
-        return found
+        return np.abs(values - printed) <= (1.0 + 1e-9) * unit
 
 
 def _grouped(explained: np.ndarray, behind: dict[str, np.ndarray]) -> list[tuple[str, np.ndarray]]:

@@ -295,8 +295,7 @@ def _flips(listings: tuple[Listing, Listing], rows: tuple[np.ndarray, np.ndarray
     with np.errstate(invalid="ignore"):
         # Without the components that are unreadable: p and -p agree or differ in all.
         against = np.nansum(p_a * p_b, axis=1) < 0
-    found: np.ndarray = _keys(section, pick_a)[against]
-    return found
+    return _keys(section, pick_a)[against]
 
 
 def _attitudes(section: Section) -> np.ndarray:
@@ -305,5 +304,4 @@ def _attitudes(section: Section) -> np.ndarray:
 
 
 def _keys(section: Section, lines: np.ndarray) -> np.ndarray:
-    found: np.ndarray = section.step[lines] * (LARGEST_INDEX + 1) + section.index[lines]
-    return found
+    return section.step[lines] * (LARGEST_INDEX + 1) + section.index[lines]

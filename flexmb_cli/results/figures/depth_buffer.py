@@ -108,8 +108,7 @@ class DepthBuffer:
         places, depth = at[above], depth[above]
         np.maximum.at(self.depth, places, depth)
         # The first of equals is drawn last.
-        found: np.ndarray = above[depth == self.depth[places]][::-1]
-        return found
+        return above[depth == self.depth[places]][::-1]
 
 
 def _palette(colours: np.ndarray) -> np.ndarray:
@@ -167,8 +166,7 @@ def _side_at(p: np.ndarray, q: np.ndarray, k: np.ndarray, y: np.ndarray) -> np.n
     # Triangles that share a side compute it alike, so that there is no gap between them.
     rise = q[:, 1] - p[:, 1]
     slope = np.divide(q[:, 0] - p[:, 0], rise, out=np.zeros(len(p)), where=rise > 0)
-    found: np.ndarray = p[k, 0] + (y - p[k, 1]) * slope[k]
-    return found
+    return p[k, 0] + (y - p[k, 1]) * slope[k]
 
 
 def _tube_rows(

@@ -128,8 +128,7 @@ class ElementBody:
 
     def deformation(self, row: int) -> np.ndarray:
         """Elastic displacements (n, 3) of the nodes in a row, global axes."""
-        found: np.ndarray = self.shape @ self.amplitude[row] @ self.turn[row].T
-        return found
+        return self.shape @ self.amplitude[row] @ self.turn[row].T
 
     def places(self, row: int, scale: float = 1.0) -> np.ndarray:
         """Positions (n, 3) of the nodes in a row, global axes, deformed `scale` times as much."""
@@ -140,15 +139,13 @@ class ElementBody:
         """Velocities (n, 3) of the nodes in a row, global axes: v + omega x (x - r) + A Phi eta'."""
         offsets = self.places(row) - self.origin[row]
         relative = self.shape @ self.rate[row] @ self.turn[row].T
-        found: np.ndarray = self.velocity[row] + np.cross(self.spin[row], offsets) + relative
-        return found
+        return self.velocity[row] + np.cross(self.spin[row], offsets) + relative
 
     def stress(self, row: int) -> np.ndarray:
         """Stresses (n, 6) xx yy zz xy yz zx of the nodes in a row, body axes; nan if not known."""
         if self.stress_shape is None:
             return np.full((len(self.undeformed), 6), np.nan)
-        found: np.ndarray = self.stress_shape @ self.amplitude[row]
-        return found
+        return self.stress_shape @ self.amplitude[row]
 
 
 def element_bodies(result: h5py.File, names: tuple[str, ...], rows: slice) -> Iterator[ElementBody]:

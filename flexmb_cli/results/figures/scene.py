@@ -41,16 +41,14 @@ class BodyShape:
 
     def places(self, row: int, scale: float = 1.0) -> np.ndarray:
         """Positions (n, 3) of the vertices in a row, global axes; no deformation could be scaled."""
-        found: np.ndarray = self.origin[row] + self.vertices @ self.turn[row].T
-        return found
+        return self.origin[row] + self.vertices @ self.turn[row].T
 
     @property
     def corners(self) -> np.ndarray:
         """Positions (T, 8, 3) of the corners of the box around the shapes, along the axes of the body."""
         ends = np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
         box = np.array([[ends[k, i] for i, k in enumerate(corner)] for corner in product((0, 1), repeat=3)])
-        found: np.ndarray = self.origin[:, None] + np.matmul(box, np.swapaxes(self.turn, -1, -2))
-        return found
+        return self.origin[:, None] + np.matmul(box, np.swapaxes(self.turn, -1, -2))
 
 
 def body_shapes(
@@ -266,8 +264,7 @@ class _Motion:
         if body == GROUND_NUMBER:
             return np.repeat(places, self.rows, axis=0)
         turn = self.turn[:, body - 1]
-        found: np.ndarray = self.position[:, None, body - 1] + np.matmul(places, np.swapaxes(turn, -1, -2))
-        return found
+        return self.position[:, None, body - 1] + np.matmul(places, np.swapaxes(turn, -1, -2))
 
     def end_of_joint(self, joint: int, side: int) -> np.ndarray:
         """Path (T, 1, 3) of a joint's point on its first (0) or second body; a node moves with the body."""
@@ -311,8 +308,7 @@ def rotations(p: np.ndarray) -> np.ndarray:
     skew = np.zeros((*p.shape[:-1], 3, 3))
     skew[..., 2, 1], skew[..., 0, 2], skew[..., 1, 0] = e[..., 0], e[..., 1], e[..., 2]
     skew -= np.swapaxes(skew, -1, -2)
-    found: np.ndarray = 2 * e[..., :, None] * e[..., None, :] + (2 * e0 * e0 - 1) * np.eye(3) + 2 * e0 * skew
-    return found
+    return 2 * e[..., :, None] * e[..., None, :] + (2 * e0 * e0 - 1) * np.eye(3) + 2 * e0 * skew
 
 
 def _drawn(motion: _Motion, number: int, marks: np.ndarray, extent: float) -> DrawnBody:
@@ -410,16 +406,14 @@ def _normal(places: np.ndarray) -> np.ndarray | None:
     if size[2] > PLANAR * size[0] or size[1] <= PLANAR * size[0]:
         return None
     normal = axes[2]
-    found: np.ndarray | None = normal * np.sign(normal[np.argmax(np.abs(normal))])
-    return found
+    return normal * np.sign(normal[np.argmax(np.abs(normal))])
 
 
 def _aside(up: np.ndarray) -> np.ndarray:
     """The direction to a viewer who stands to the side and a little above."""
     across = np.roll(np.abs(up).round(), 1) if np.count_nonzero(np.abs(up).round()) == 1 else np.eye(3)[0]
     side = np.cross(up, across)
-    found: np.ndarray = 0.75 * side + 1.0 * across + 0.55 * up
-    return found
+    return 0.75 * side + 1.0 * across + 0.55 * up
 
 
 def _plain(vector: np.ndarray) -> tuple[Any, ...]:

@@ -68,8 +68,7 @@ def _count(body: Drawn) -> int:
 
 def _places(body: Drawn, row: int) -> np.ndarray:
     """Points (n, 3) of a body in a row, global axes."""
-    found: np.ndarray = body.marks[row] if isinstance(body, DrawnBody) else body.places(row)
-    return found
+    return body.marks[row] if isinstance(body, DrawnBody) else body.places(row)
 
 
 def _write_points(
@@ -146,8 +145,7 @@ def _rigid_velocities(scene: Scene, body: Drawn, row: int) -> np.ndarray:
         return np.zeros_like(places)
     assert scene.origin is not None and scene.velocity is not None and scene.spin is not None
     offsets = places - scene.origin[row, one]
-    found: np.ndarray = scene.velocity[row, one] + np.cross(scene.spin[row, one], offsets)
-    return found
+    return scene.velocity[row, one] + np.cross(scene.spin[row, one], offsets)
 
 
 def _cells_of(body: Drawn, in_grid: bool) -> Iterator[tuple[int, Any]]:

@@ -93,8 +93,7 @@ def _field(name: str, taken: dict[Any, Any]) -> str:
 
 def _values(dataset: h5py.Dataset) -> np.ndarray | str:
     if h5py.check_string_dtype(dataset.dtype) is None:
-        found: np.ndarray | str = dataset[()]
-        return found
+        return dataset[()]
     texts = dataset.asstr(errors="replace")[()]
     return texts if isinstance(texts, str) else np.array(texts, dtype=object)
 

@@ -71,8 +71,7 @@ class _ValuesOfRows(Values):
         self._rows = rows
 
     def __getitem__(self, path: str) -> np.ndarray:
-        found: np.ndarray = getattr(self._rows, _FIELDS[path])
-        return found
+        return getattr(self._rows, _FIELDS[path])
 
     def __iter__(self) -> Iterator[str]:
         return iter(_FIELDS)

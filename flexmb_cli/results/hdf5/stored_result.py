@@ -231,8 +231,7 @@ def _references(dataset: h5py.Dataset, axis: int) -> "np.ndarray | None":
         raise Damaged(
             f"{_reported(dataset.name or 'a dataset')} has more than {MOST_SCALES} scales for an axis"
         )
-    made: np.ndarray | None = dataset.attrs["DIMENSION_LIST"]
-    return made
+    return dataset.attrs["DIMENSION_LIST"]
 
 
 def place_of(dataset: h5py.Dataset) -> int:

@@ -138,8 +138,7 @@ def von_mises(stress: np.ndarray) -> np.ndarray:
     """Equivalent stress (...) of tensors (..., 6)."""
     xx, yy, zz, xy, yz, zx = np.moveaxis(stress, -1, 0)
     direct = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
-    found: np.ndarray = np.sqrt(direct / 2 + 3 * (xy**2 + yz**2 + zx**2))
-    return found
+    return np.sqrt(direct / 2 + 3 * (xy**2 + yz**2 + zx**2))
 
 
 def principal_stresses(stress: np.ndarray) -> np.ndarray:
@@ -161,8 +160,7 @@ def element_energies(output: StressOutput, body: FloatingBody, eta: np.ndarray) 
     strain = _strains(np.moveaxis(shapes, 2, -1).copy(), body)
     doubled = np.moveaxis(strain, -1, 2) * np.array([1, 1, 1, 2, 2, 2])[:, None]
     energies = np.einsum("egam,egan,eg->emn", shapes, doubled, volumes, optimize=True) / 2
-    found: np.ndarray = np.einsum("emn,tm,tn->te", energies, eta, eta, optimize=True)
-    return found
+    return np.einsum("emn,tm,tn->te", energies, eta, eta, optimize=True)
 
 
 def largest_von_mises(body: FloatingBody, eta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

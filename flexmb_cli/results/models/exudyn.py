@@ -396,8 +396,7 @@ class _Placed:
     def _at(self, body: int, point: tuple[float, float, float]) -> np.ndarray:
         if body == GROUND:
             return np.array(point, float)
-        found: np.ndarray = self.start["r"][body] + self.A[body] @ np.array(point)
-        return found
+        return self.start["r"][body] + self.A[body] @ np.array(point)
 
     def _local(self, body: Any, point: Any) -> Any:
         """A point from the mass centre of a moving body, or global of one at rest."""

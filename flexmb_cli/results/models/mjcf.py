@@ -140,8 +140,7 @@ def _inertial(body: Body) -> dict[str, str]:
 def _central_inertia(body: Body) -> np.ndarray:
     """Inertia about the mass centre: that about O_k less the mass's."""
     c = np.array(body.centre)
-    found: np.ndarray = np.asarray(body.inertia, float) - body.mass * (c @ c * np.eye(3) - np.outer(c, c))
-    return found
+    return np.asarray(body.inertia, float) - body.mass * (c @ c * np.eye(3) - np.outer(c, c))
 
 
 def _start(tree: Tree) -> tuple[Any, Any]:

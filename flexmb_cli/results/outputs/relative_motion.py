@@ -62,8 +62,7 @@ def _matrices(parameters: np.ndarray) -> np.ndarray:
 
 def _seen(axes: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """Return global vectors (rows, 3) by their components in other axes."""
-    found: np.ndarray = np.einsum("nji,nj->ni", axes, vectors)
-    return found
+    return np.einsum("nji,nj->ni", axes, vectors)
 
 
 def position(first: Motion, second: Motion, frame: Motion) -> np.ndarray:
@@ -80,16 +79,14 @@ def velocity(first: Motion, second: Motion, frame: Motion) -> np.ndarray:
 
 def distance(first: Motion, second: Motion, frame: Motion) -> np.ndarray:
     """Return the distance of two points (rows,), m."""
-    found: np.ndarray = np.linalg.norm(second.position - first.position, axis=1)
-    return found
+    return np.linalg.norm(second.position - first.position, axis=1)
 
 
 def distance_rate(first: Motion, second: Motion, frame: Motion) -> np.ndarray:
     """Return the rate of their distance (rows,), m/s; 0 where they coincide."""
     apart, length = second.position - first.position, distance(first, second, frame)
     along = np.einsum("ni,ni->n", apart, second.velocity - first.velocity)
-    rate: np.ndarray = np.divide(along, length, out=np.zeros_like(length), where=length > 0)
-    return rate
+    return np.divide(along, length, out=np.zeros_like(length), where=length > 0)
 
 
 def angular_velocity(body: Motion, frame: Motion) -> np.ndarray:
@@ -141,8 +138,7 @@ def rotation_vector(turned: np.ndarray) -> np.ndarray:
     sine = np.linalg.norm(found[:, 1:], axis=1)
     angle = 2 * np.arctan2(sine, found[:, 0])
     factor = np.divide(angle, sine, out=np.full_like(sine, 2.0), where=sine > 0)
-    vectors: np.ndarray = factor[:, None] * found[:, 1:]
-    return vectors
+    return factor[:, None] * found[:, 1:]
 
 
 @dataclass
@@ -173,8 +169,7 @@ class Continued:
 
 def nearest_angles(angles: np.ndarray, expected: np.ndarray) -> np.ndarray:
     """Return angles with whole turns added, near to expected ones."""
-    found: np.ndarray = angles + TURN * np.round((expected - angles) / TURN)
-    return found
+    return angles + TURN * np.round((expected - angles) / TURN)
 
 
 def nearest_rotation(vector: np.ndarray, expected: np.ndarray) -> np.ndarray:
@@ -182,7 +177,6 @@ def nearest_rotation(vector: np.ndarray, expected: np.ndarray) -> np.ndarray:
     angle, length = float(np.linalg.norm(vector)), float(np.linalg.norm(expected))
     if angle < AXIS_LOST:
         axis = expected / length if length > 0 else np.zeros(3)
-        found: np.ndarray = vector + TURN * round(length / TURN) * axis
-        return found
+        return vector + TURN * round(length / TURN) * axis
     axis = vector / angle
     return (angle + TURN * round((float(axis @ expected) - angle) / TURN)) * axis

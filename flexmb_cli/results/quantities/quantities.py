@@ -220,8 +220,7 @@ def _elements(result: h5py.File, path: str, rows: slice, index: np.ndarray) -> n
     except Damaged as fault:
         raise ResultError(result.filename, f"/{path} {fault}", id="RESULT-022") from fault
     _refuse_other_length(result, path)
-    found: np.ndarray = box[(slice(None), *(index - low).T)] if index.shape[1] else box[:, None]
-    return found
+    return box[(slice(None), *(index - low).T)] if index.shape[1] else box[:, None]
 
 
 def refuse_uneven(result: h5py.File) -> None:

@@ -48,8 +48,7 @@ def readable(quantity: Quantity) -> Readable:
     if group == "audit":
         return Readable(words[0].replace("_", " "), "", "")
     if group in _OF_BODY:
-        found: Readable = _of_body(group, words)
-        return found
+        return _of_body(group, words)
     if not words:
         return Readable(group, "", "")
     named = quantity.long_name.partition(": ")[0] if ": " in quantity.long_name else f"{group} {words[0]}"

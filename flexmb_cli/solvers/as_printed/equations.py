@@ -161,8 +161,7 @@ def parallel(state: State, joint: "Joint", indices_wrong: bool) -> Rows:
 
 def _row_sums(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
     """Return what the program has in place of a product: component M of the vector where N is meant."""
-    found: np.ndarray = (matrix[:, 0] + matrix[:, 1] + matrix[:, 2]) * vector
-    return found
+    return (matrix[:, 0] + matrix[:, 1] + matrix[:, 2]) * vector
 
 
 def along(state: State, joint: "Joint") -> Rows:
@@ -202,5 +201,4 @@ def separation_rate(state: State, joint: "Joint", wrong: bool = False) -> np.nda
         state.qd[k, :3] + product(state.slope(k, P), state.qd[k, taken])
         for k, P in ((i, joint.P_i), (j, joint.P_j))
     ]
-    found: np.ndarray = ends[1] - ends[0]
-    return found
+    return ends[1] - ends[0]

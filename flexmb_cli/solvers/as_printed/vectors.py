@@ -22,8 +22,7 @@ def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Matrix (m, n) times matrix (n, k), or times vector (n,)."""
     if b.ndim == 1:
         return product(a, b[:, None])[:, 0]
-    found: np.ndarray = np.add.reduce(a[:, :, None] * b[None, :, :], axis=1)
-    return found
+    return np.add.reduce(a[:, :, None] * b[None, :, :], axis=1)
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> float:

@@ -81,8 +81,7 @@ def coupling_efforts(
     end = len(arrays.groups) - behind - len(elements.drivers)
     groups = arrays.groups[end - len(elements.couplings) : end]
     scales = np.array([item.scale for item in elements.couplings])
-    found: np.ndarray = report.multipliers[:, groups["first_row"]] / scales + 0.0
-    return found
+    return report.multipliers[:, groups["first_row"]] / scales + 0.0
 
 
 def curve_forces(report: Report, arrays: SystemArrays, elements: JointElements) -> np.ndarray:

@@ -53,8 +53,7 @@ class FlexibleRows:
     @property
     def total(self) -> np.ndarray:
         """Energy that nothing changes but errors (T,), J."""
-        found: np.ndarray = self.kinetic + self.potential + self.strain - self.applied_work
-        return found
+        return self.kinetic + self.potential + self.strain - self.applied_work
 
 
 @dataclass(frozen=True)

@@ -50,8 +50,7 @@ class Steps:
     @property
     def integrate_rows(self) -> Callable[..., Any]:
         """The kernel."""
-        found: Callable[..., Any] = import_module(self._module).integrate_rows
-        return found
+        return import_module(self._module).integrate_rows
 
     def new_integration(self, work: "Work", angles: int, works: int, states: int) -> Any:
         """Return an integration at time 0 with an empty state, for this work and so many angles.

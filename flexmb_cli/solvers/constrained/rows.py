@@ -36,8 +36,7 @@ class DynamicRows(Rows):
     @property
     def total(self) -> np.ndarray:
         """Energy that nothing changes but errors (T,), J."""
-        found: np.ndarray = self.kinetic + self.potential - self.applied_work
-        return found
+        return self.kinetic + self.potential - self.applied_work
 
 
 def dynamic_rows(model: DynamicModel, report: Report) -> DynamicRows:

@@ -192,8 +192,7 @@ def start_speeds(analysis: ConstrainedState, q: np.ndarray, t: float) -> np.ndar
     if np.max(_changes(analysis, u, wanted, given), initial=0.0) > 0.0:
         u = _after_impulse(analysis, q, particular, motions, wanted, given)
     _warn_of_change(analysis, u, wanted, given)
-    found: np.ndarray = u
-    return found
+    return u
 
 
 def _speeds_of_many(
@@ -224,8 +223,7 @@ def _speeds_of_many(
         light = np.where(given, OF_MASSLESS, OF_OTHERS) * least / largest
         u = u + shortest_correction(J, rest, chosen @ (M / largest) @ chosen + diags(light))
     _refuse_contradiction(analysis.arrays.equations, names, J @ u - nu, t)
-    found: np.ndarray = u * scale
-    return found
+    return u * scale
 
 
 def _shortest(J: np.ndarray, nu: np.ndarray) -> Any:
@@ -280,16 +278,14 @@ def _after_impulse(
         shares = left[:, :rank].T @ (weights @ (aim - u)) / values[:rank]
         u += motions @ (right[:rank].T @ shares)
         motions = motions @ right[rank:].T
-    found: np.ndarray = u * scale
-    return found
+    return u * scale
 
 
 def _root(M: Any) -> np.ndarray:
     """Return a matrix R with Rᵀ R = M; what has no mass has no weight."""
     values, vectors = np.linalg.eigh(M)
     values[values <= MASSLESS * values.max(initial=0.0)] = 0.0
-    found: np.ndarray = np.sqrt(values)[:, None] * vectors.T
-    return found
+    return np.sqrt(values)[:, None] * vectors.T
 
 
 def given_speeds(

@@ -27,8 +27,7 @@ def constrained_system(arrays: SystemArrays) -> System:
 
 def new_work(arrays: SystemArrays) -> Work:
     """Work for the kernels."""
-    found: Work = make_work(constrained_system(arrays), arrays.angles.size)
-    return found
+    return make_work(constrained_system(arrays), arrays.angles.size)
 
 
 def blank_report(arrays: SystemArrays, times: np.ndarray, works: int = 0) -> Report:
@@ -97,8 +96,7 @@ class PositionGaps:
         """Scaled residual (m,) at q; expected: the angles expected."""
         self.work.angles[:] = expected
         evaluate_residual(self.system, self.work, q, t, expected)
-        found: np.ndarray = self.work.rows[PHI] / self.arrays.row_scale
-        return found
+        return self.work.rows[PHI] / self.arrays.row_scale
 
     def jacobian(self, q: np.ndarray) -> "np.ndarray | csr_matrix":
         """Scaled Jacobian (m, n) on speeds, sparse where it is large."""

@@ -44,8 +44,7 @@ def rows_of_drivers(tree: Tree, arrays: SystemArrays) -> np.ndarray:
     functions = np.arange(end - len(tree.elements.drivers), end)
     first = end - functions.size - couplings - prescribed
     groups = np.concatenate([np.arange(first, first + prescribed), functions])
-    found: np.ndarray = arrays.groups["first_row"][groups]
-    return found
+    return arrays.groups["first_row"][groups]
 
 
 def forces_on_curves(tree: Tree, rows: TreeRows) -> np.ndarray:

@@ -173,8 +173,7 @@ class KinematicAnalysis(KinematicState):
         if "sized" not in kept:
             start = arrays.q, self.mechanism.time.time(0), arrays.screw_angles
             kept["sized"] = sized_equations(self.evaluator, *start)
-        sized: Sized = kept["sized"]
-        return sized
+        return kept["sized"]
 
     def _nearer_row(self, first: Rows) -> Rows:
         """The first row on the assembly nearest to the estimates; Newton's method went far to `first`."""

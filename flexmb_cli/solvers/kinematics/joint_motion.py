@@ -68,8 +68,7 @@ class JointMotion:
 
 
 def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    found: np.ndarray = np.sum(a * b, axis=-1)
-    return found
+    return np.sum(a * b, axis=-1)
 
 
 def _vectors(mechanism: Mechanism, joint: Joint) -> Any:

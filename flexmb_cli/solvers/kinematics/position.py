@@ -53,8 +53,7 @@ class Evaluator:
     def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
         """Scaled residual (equations,) at q; expected (screws,) are the angles expected."""
         evaluate_position(self.system, self.work, q, t, expected)
-        found: np.ndarray = self.work.vectors[0, : self.arrays.row_scale.size] / self.arrays.row_scale
-        return found
+        return self.work.vectors[0, : self.arrays.row_scale.size] / self.arrays.row_scale
 
     def rows(self, q: np.ndarray) -> np.ndarray:
         """Jacobian rows phi_q (equations, 14), unscaled, at the q of the last `residual`."""
@@ -72,8 +71,7 @@ class Evaluator:
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
         """Scaled Jacobian (equations, coordinates), dense, at the q of the last `residual`."""
-        found: np.ndarray = matrix_of(*self.entries(q), q.size, sparse=False)
-        return found
+        return matrix_of(*self.entries(q), q.size, sparse=False)
 
     def sparse_matrix(self, q: np.ndarray) -> Any:
         """The same as a scipy CSR matrix."""
@@ -81,8 +79,7 @@ class Evaluator:
 
     def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
         """Return the coordinates after a scaled step (coordinates,)."""
-        found: np.ndarray = q + step * self.arrays.column_scale
-        return found
+        return q + step * self.arrays.column_scale
 
     @property
     def is_large(self) -> bool:

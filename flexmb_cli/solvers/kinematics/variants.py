@@ -69,8 +69,7 @@ class Variants:
         C, B, A = np.moveaxis(np.abs(functions), 2, 0)
         numbers = np.concatenate([functions, points], axis=1)
         allowed = (np.abs(numbers) <= LARGEST_NUMBER).all(axis=(1, 2))
-        found: np.ndarray = allowed & (C + t * (B + 0.5 * t * A) <= 0.5 * LARGEST_ANGLE).all(axis=1)
-        return found
+        return allowed & (C + t * (B + 0.5 * t * A) <= 0.5 * LARGEST_ANGLE).all(axis=1)
 
     def _is_near(self, first: np.ndarray) -> np.ndarray:
         """Return whether the first position (cases, n) is so near the estimates that none is sought."""
@@ -78,5 +77,4 @@ class Variants:
         cases, bodies = len(first), q.size // 7
         way, turn = displacements(np.tile(q, cases), first.ravel(), cases * bodies)
         moved = np.maximum(way / (search.size * search.length), turn).reshape(cases, bodies)
-        found: np.ndarray = moved.max(axis=1) <= NEAR
-        return found
+        return moved.max(axis=1) <= NEAR

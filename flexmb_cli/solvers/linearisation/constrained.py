@@ -86,18 +86,15 @@ class ConstrainedLinearised(LinearisedMotion):
     def _motions(self, L: np.ndarray) -> np.ndarray:
         """Displacements (n, f) that the constraints factorised last allow, one for each coordinate."""
         Z = self.analysis.work.motions[:, : len(L)] * self.scale[:, None]
-        found: np.ndarray = Z @ np.linalg.inv(L @ Z)
-        return found
+        return Z @ np.linalg.inv(L @ Z)
 
     def functionals(self, state: Any) -> np.ndarray:
         """Return L (f, n) at a position and speeds."""
-        found: np.ndarray = self.coordinates.functionals(state[0])[self.free]
-        return found
+        return self.coordinates.functionals(state[0])[self.free]
 
     def speeds_of(self, state: Any) -> np.ndarray:
         """Return the speeds (n,) of a position and speeds."""
-        found: np.ndarray = state[1]
-        return found
+        return state[1]
 
     def moved(self, q: np.ndarray, d: np.ndarray) -> np.ndarray:
         """Return the position q displaced by d."""
@@ -134,8 +131,7 @@ class ConstrainedLinearised(LinearisedMotion):
         work, system = self.analysis.work, system or self.system
         evaluate_jacobian(system, work, self.moved(self.q, d))
         rate_gap(system, work, self.u + w, self.t)
-        found: np.ndarray = work.rows[GAMMA] / self.analysis.arrays.row_scale
-        return found
+        return work.rows[GAMMA] / self.analysis.arrays.row_scale
 
     def companion(self, d: np.ndarray) -> np.ndarray:
         """Return the change w (n,) of the speeds, L w = 0, that the displacement d causes."""

@@ -108,8 +108,7 @@ class ConstrainedResponses(Responses):
         place, carried = self._carried(q, b, None)
         block = carried - self._carried(q, a, place)[1]
         if a.body < 0:
-            found: np.ndarray = block
-            return found
+            return block
         across = rotation_matrix(self._poses(q)[a.body, 3:]).T
         return np.concatenate([across @ block[:3], across @ block[3:]])
 

@@ -77,5 +77,4 @@ def _downhill(stiffness: np.ndarray, accelerations: np.ndarray) -> np.ndarray:
     held = np.abs(values) > least
     # A motion without stiffness nor force stays; one with a force goes as far as one correction may.
     loose = np.where(np.abs(parts) > SMALLEST_CORRECTION * least, LARGEST_MOVE, 0.0) * np.sign(parts.real)
-    found: np.ndarray = (vectors @ np.where(held, parts / np.where(held, divisors, 1.0), loose)).real
-    return found
+    return (vectors @ np.where(held, parts / np.where(held, divisors, 1.0), loose)).real

@@ -38,8 +38,7 @@ def differentiated(function: Callable[..., Any], h: float) -> Any:
 
 def without_motions(x: np.ndarray, Z: np.ndarray, L: np.ndarray) -> np.ndarray:
     """Return x (n,) less what the constraints allow of it: L times the result is 0."""
-    found: np.ndarray = x - Z @ (L @ x)
-    return found
+    return x - Z @ (L @ x)
 
 
 class LinearisedMotion(ABC):
@@ -70,8 +69,7 @@ class LinearisedMotion(ABC):
     @property
     def units(self) -> np.ndarray:
         """Return the scales (f,) of the independent coordinates."""
-        found: np.ndarray = self.scale[self.free]
-        return found
+        return self.scale[self.free]
 
     @abstractmethod
     def changed(self, d: np.ndarray, w: np.ndarray) -> Any:
@@ -153,8 +151,7 @@ class LinearisedMotion(ABC):
         """Return the scaled accelerations (f,) of the coordinates displaced by y (scaled) and at rest."""
         state = self.standing(y)
         rates = self.rate_of_functionals(state) @ self.speeds_of(state)
-        found: np.ndarray = (rates + self.functionals(state) @ self.rates(state, self.t)) / self.units
-        return found
+        return (rates + self.functionals(state) @ self.rates(state, self.t)) / self.units
 
     def projected(self, gaps: np.ndarray) -> np.ndarray:
         """Return x (n,) with J x = gaps, L x = 0."""
@@ -170,13 +167,11 @@ class LinearisedMotion(ABC):
 
     def position_rates(self, d: np.ndarray) -> np.ndarray:
         """Return what a displacement d adds to y' (f,) beside v."""
-        found: np.ndarray = self.L_rate @ d - self.L @ self.turned(d)
-        return found
+        return self.L_rate @ d - self.L @ self.turned(d)
 
     def speed_rates(self, w: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
         """Return v' (f,) of changes w of the speeds and of their rates."""
-        found: np.ndarray = self.L_rate @ w + self.L @ acceleration
-        return found
+        return self.L_rate @ w + self.L @ acceleration
 
     def tangents(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """Yield displacement and change of speeds for every state, y then v, in their units."""
@@ -204,8 +199,7 @@ class LinearisedMotion(ABC):
 
         def rates(d: np.ndarray, w: np.ndarray) -> np.ndarray:
             self.acceleration_at(d, w)
-            found: np.ndarray = self.signals.rates.copy()
-            return found
+            return self.signals.rates.copy()
 
         for k, (d, w) in enumerate(self.tangents() if s else ()):
             whole[2 * f :, k] = self.variation(rates, d, w)
@@ -219,8 +213,7 @@ class LinearisedMotion(ABC):
         """Return u' and the rates of the states of signals that are changed (s,)."""
         acceleration = self.rates(self.state_with(change), self.t)
         self.state_with(np.zeros_like(change))
-        found: np.ndarray = np.concatenate([acceleration, self.signals.rates])
-        return found
+        return np.concatenate([acceleration, self.signals.rates])
 
     def is_constant(self, A: np.ndarray) -> bool:
         """Return whether the coefficients A stay the same along the motion.
@@ -293,8 +286,7 @@ class LinearisedMotion(ABC):
         shift, left = self._destination(A)
         if np.max(np.abs(shift), initial=0.0) > CONSTANT or np.any(left):
             return self.rate
-        found: np.ndarray = self.rate - self.Z @ self.speed_rates(self.u, self.rate)
-        return found
+        return self.rate - self.Z @ self.speed_rates(self.u, self.rate)
 
     def standing_stiffness(self, stencil: tuple[tuple[float, float], tuple[float, float]]) -> np.ndarray:
         """Return the derivative (f, f) of the accelerations of the coordinates held at rest."""

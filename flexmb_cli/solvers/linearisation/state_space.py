@@ -132,8 +132,7 @@ def _response(responses: Responses, one: Input) -> np.ndarray:
     def answer(amount: float) -> np.ndarray:
         return responses.respond(amount * one.d, amount * one.w, one.change(amount))
 
-    found: np.ndarray = differentiated(answer, one.step)
-    return found
+    return differentiated(answer, one.step)
 
 
 def state_space(responses: Responses, later: Responses, states: tuple[Signal, ...]) -> StateSpace:

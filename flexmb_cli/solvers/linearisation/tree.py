@@ -71,8 +71,7 @@ class TreeLinearised(LinearisedMotion):
 
     def speeds_of(self, state: np.ndarray) -> np.ndarray:
         """Return the speeds (NS,) of a state."""
-        found: np.ndarray = state[: self.scale.size]
-        return found
+        return state[: self.scale.size]
 
     def along_motion(self, function: Any, state: np.ndarray) -> np.ndarray:
         """Return the rate of a function of the state; that of functionals along axes of parents is 0."""

@@ -160,8 +160,7 @@ def _add_joint(found: Any, joint: Any) -> None:
 
 
 def _unit(v: np.ndarray | tuple[float, float, float]) -> np.ndarray:
-    found: np.ndarray = np.array(v, float) / np.linalg.norm(v)
-    return found
+    return np.array(v, float) / np.linalg.norm(v)
 
 
 def _across(v: tuple[float, float, float]) -> tuple[np.ndarray, np.ndarray]:
@@ -224,5 +223,4 @@ def turned(axis: int, angle: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 def rotation_of(p: np.ndarray | tuple[float, float, float, float]) -> np.ndarray:
     """Return the rotation matrix (3, 3), body to global axes, of Euler parameters (4,)."""
     e0, e = p[0], np.array(p[1:])
-    found: np.ndarray = (2 * e0 * e0 - 1) * np.eye(3) + 2 * np.outer(e, e) + 2 * e0 * np.cross(e, np.eye(3)).T
-    return found
+    return (2 * e0 * e0 - 1) * np.eye(3) + 2 * np.outer(e, e) + 2 * e0 * np.cross(e, np.eye(3)).T

@@ -50,8 +50,7 @@ class NaturalMotion:
             t = grid.time(k)
             V, A = self._rates(X, t)
             rows.append((t, X, V, A, self._efforts(X, V, A, t)))
-        found: NaturalRows = _rows(rows)
-        return found
+        return _rows(rows)
 
     def forward(self, first: np.ndarray, speeds: np.ndarray) -> NaturalRows:
         """Return the rows of the motion under the loads, from coordinates and speeds near those given."""
@@ -77,8 +76,7 @@ class NaturalMotion:
                     Fault("error", f"natural coordinates: {found.message}", id="SOLVE-021"), t
                 )
             X, V = np.split(found.y[:, -1], 2)
-        made: NaturalRows = _rows(rows)
-        return made
+        return _rows(rows)
 
     def _closed(self, X: np.ndarray, t: float) -> np.ndarray:
         """Return the nearest coordinates that meet all equations; raises AnalysisError."""
@@ -201,8 +199,7 @@ def speeds_of(X: np.ndarray, velocity: np.ndarray, angular_velocity: np.ndarray)
 
 
 def _least(J: np.ndarray, b: np.ndarray) -> np.ndarray:
-    found: np.ndarray = np.linalg.lstsq(J, b, rcond=DEPENDENT)[0]
-    return found
+    return np.linalg.lstsq(J, b, rcond=DEPENDENT)[0]
 
 
 def _rows(rows: list[tuple[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]) -> NaturalRows:

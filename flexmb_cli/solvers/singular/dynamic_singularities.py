@@ -209,8 +209,7 @@ class PassedDynamicSingularities(PassedSingularities):
         """The last singular value that counts, of the largest, at each of `positions` (k, N)."""
         jacobians = np.array([self.gaps.jacobian(q) for q in positions])
         values = np.linalg.svd(jacobians, compute_uv=False)
-        found: list[float] = (values[:, int(self.analysis.work.rank[0]) - 1] / values[:, 0]).tolist()
-        return found
+        return (values[:, int(self.analysis.work.rank[0]) - 1] / values[:, 0]).tolist()
 
     def _least_in_the_middle(self) -> bool:
         """Return whether the row before the last is a minimum, and much below what is usual."""
@@ -235,8 +234,7 @@ class PassedDynamicSingularities(PassedSingularities):
 
     @property
     def _expected(self) -> np.ndarray:
-        angles: np.ndarray = self.analysis.integration.angles[0]
-        return angles
+        return self.analysis.integration.angles[0]
 
     def _at(self, first: Row, last: Row, x: float) -> tuple[np.ndarray, float]:
         """Position at the part x of the way between two rows, and its smallest value; inf if open."""

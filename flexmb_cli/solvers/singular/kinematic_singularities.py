@@ -244,8 +244,7 @@ def step_failure(analysis: KinematicState, t: float) -> AnalysisError:
             t,
             gap_norms(worst) | {"reached": reached},
         )
-    found: AnalysisError = _singular(analysis, reached, t)
-    return found
+    return _singular(analysis, reached, t)
 
 
 def _least_gap(evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray) -> Any:

@@ -94,8 +94,7 @@ def _largest(places: np.ndarray, shares: np.ndarray, own: int) -> list[int]:
     everywhere = np.append(places, own)
     some = np.flatnonzero(size > NAMED * size.max())
     some = some[np.argsort(everywhere[some])]
-    named: list[int] = everywhere[some[by_size(size[some])[:NAMES_OF_GROUP]]].tolist()
-    return named
+    return everywhere[some[by_size(size[some])[:NAMES_OF_GROUP]]].tolist()
 
 
 def sparse_conditioning(matrix: "csr_matrix", rows: np.ndarray | None = None) -> Conditioning:

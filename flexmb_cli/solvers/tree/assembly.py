@@ -138,8 +138,7 @@ def _kept(tree: Tree, arrays: TreeArrays) -> np.ndarray:
     first = next((m for m, c in enumerate(tree.coordinates) if c.motion == ROTATION), None)
     if first is not None:
         kept[first] = True
-    found: np.ndarray = kept
-    return found
+    return kept
 
 
 def _one_way_fault(tree: Tree) -> Fault:
@@ -173,8 +172,7 @@ def pivot_shares(arrays: TreeArrays) -> np.ndarray:
     """Pivots of J b⁻¹ Jᵀ as shares of its largest diagonal element (R,); 0 where a row is left out."""
     largest = np.max(arrays.closures["own"], initial=0.0)
     pivots = np.diag(arrays.closure_matrix)
-    found: np.ndarray = np.divide(pivots, largest, out=np.zeros(pivots.size), where=largest > 0.0)
-    return found
+    return np.divide(pivots, largest, out=np.zeros(pivots.size), where=largest > 0.0)
 
 
 def stray(tree: Tree, shares: np.ndarray, repeated: np.ndarray, t: float, worst: int) -> Fault:

@@ -44,14 +44,12 @@ class TreeRows:
     @property
     def total(self) -> np.ndarray:
         """Energy that nothing changes but errors (T,), J."""
-        found: np.ndarray = self.kinetic + self.potential + self.strain - self.applied_work
-        return found
+        return self.kinetic + self.potential + self.strain - self.applied_work
 
     @property
     def euler_parameter_rates(self) -> np.ndarray:
         """First derivative p' = G(omega) p / 2 (T, N, 4) by the angular velocity in global axes, 1/s."""
-        found: np.ndarray = 0.5 * _turned(self.angular_velocity, self.euler_parameters)
-        return found
+        return 0.5 * _turned(self.angular_velocity, self.euler_parameters)
 
     @property
     def euler_parameter_accelerations(self) -> np.ndarray:
@@ -61,15 +59,13 @@ class TreeRows:
         """
         p, omega = self.euler_parameters, self.angular_velocity
         square = np.sum(omega * omega, axis=-1, keepdims=True)
-        found: np.ndarray = 0.5 * _turned(self.angular_acceleration, p) - 0.25 * square * p
-        return found
+        return 0.5 * _turned(self.angular_acceleration, p) - 0.25 * square * p
 
     @property
     def reaction_force(self) -> np.ndarray:
         """Force of each closure on its body b (T, C, 3), global axes, N."""
         # 0 - x, unlike -x, leaves no negative zeros.
-        found: np.ndarray = 0.0 - self.closure_force
-        return found
+        return 0.0 - self.closure_force
 
 
 def _turned(omega: np.ndarray, p: np.ndarray) -> np.ndarray:
@@ -193,8 +189,7 @@ def euler_parameters(axes: np.ndarray) -> np.ndarray:
     column = np.take_along_axis(np.moveaxis(four, (0, 1), (-2, -1)), largest[..., None, None], axis=-1)[
         ..., 0
     ]
-    found: np.ndarray = column / np.linalg.norm(column, axis=-1, keepdims=True)
-    return found
+    return column / np.linalg.norm(column, axis=-1, keepdims=True)
 
 
 def continued_signs(parameters: np.ndarray, last: np.ndarray | None) -> np.ndarray:
