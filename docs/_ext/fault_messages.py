@@ -15,7 +15,9 @@ PAGE = TOP / "docs" / "reference" / "messages.md"
 RETIRED = {
     "DAFMS-076": "DECK-066", "YOUNG-155": "DECK-066",
     "DAFMS-184": "DAFMS-173", "SOLVE-004": "SOLVE-042", "VSDF-177": "", "VSDF-178": "",
-    "DECK-015": "", "DECK-017": "", "FE-017": "FE-199", "FE-035": "FE-199", "FE-098": "FE-054",
+    "DECK-015": "", "DECK-017": "",
+    "FE-014": "FE-252", "FE-017": "FE-199", "FE-107": "FE-253", "FE-132": "FE-255",
+    "FE-035": "FE-199", "FE-098": "FE-054",
     "FE-198": "", "FE-203": "FE-202", "MODEL-009": "SOLVE-028", "MODEL-014": "MODEL-015",
     "RUN-006": "RESULT-007", "RUN-011": "", "RUN-027": "MODEL-017", "RUN-029": "", "RUN-032": "",
     "RUN-033": "", "YOUNG-062": "", "YOUNG-105": "ELEMENTS-012", "YOUNG-106": "ELEMENTS-014",
@@ -34,7 +36,7 @@ RETIRED = {
     # Each of these stood for many messages, which have identifiers of their own now.
     "DAFMS-030": "DAFMS-001 to DAFMS-003", "DAFMS-150": "DAFMS-173, DAFMS-182, DAFMS-183, DAFMS-189",
     "DAFMS-151": "DAFMS-174 to DAFMS-181, MODEL-017", "DIFF-012": "DIFF-011, DIFF-036",
-    "FE-008": "FE-058, FE-073, FE-074", "FE-029": "FE-087 to FE-132",
+    "FE-008": "FE-058, FE-073, FE-074", "FE-029": "FE-087 to FE-131",
     "RESULT-025": "RESULT-053 to RESULT-056, RESULT-067 to RESULT-075",
     "RESULT-026": "RESULT-057 to RESULT-063",
     "SOLVE-023": "SOLVE-046 to SOLVE-059", "SOLVE-024": "SOLVE-046 to SOLVE-059",

@@ -70,6 +70,8 @@ def key_of(given: FlexibleInput) -> str:
             digest.update(hashlib.sha256(_content(file)).digest())
     digest.update(np.ascontiguousarray(given.numbers, dtype="<i8").tobytes())
     digest.update(np.ascontiguousarray(given.positions, dtype="<f8").tobytes())
+    if given.axes is not None:
+        digest.update(np.ascontiguousarray(given.axes, dtype="<f8").tobytes())
     digest.update(_settings(given).encode())
     return digest.hexdigest()
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .formats.matrix_file import FEFileFault, MatrixFile, size_hint
+from .formats.matrix_file import MODAL, TRANSLATIONS, FEFileFault, MatrixFile, size_hint
 from .linear_algebra import Matrix, Singular, condensed_on, solver, stored, summed, without_diagonal
 
 SYMMETRY = 1e-6
@@ -113,6 +113,7 @@ def _ordered(name: str, file: MatrixFile, numbers: np.ndarray) -> tuple[np.ndarr
     _check_finite(name, file)
     full = _symmetric(name, file)
     size = 3 * len(numbers)
+    _refuse_rotations(name, file)
     if file.equations is None:
         if file.size != size:
             raise FEFileFault(
@@ -122,6 +123,17 @@ def _ordered(name: str, file: MatrixFile, numbers: np.ndarray) -> tuple[np.ndarr
             )
         return full, np.arange(size), np.arange(0)
     return full, *_rows_of_nodes(name, file.equations, numbers)
+
+
+def _refuse_rotations(name: str, file: MatrixFile) -> None:
+    """Refuse rows of rotations and modal coordinates."""
+    labels = np.zeros((0, 2), int) if file.equations is None else file.equations
+    others = labels[~np.isin(labels[:, 1], TRANSLATIONS)]
+    if len(others):
+        node, component = others[0]
+        what = "a modal coordinate" if component == MODAL else f"a rotation (component {component})"
+        message = f"{len(others)} rows are no translations, the first is {what} of {node}"
+        raise FEFileFault(f"{name}: {message}; mesh with solid elements, export full matrices", id="FE-254")
 
 
 def _check_finite(name: str, file: MatrixFile) -> None:

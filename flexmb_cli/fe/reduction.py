@@ -47,6 +47,10 @@ def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | Non
     reported = K is None and given.mass.form == given.stiffness.form == OF_ELEMENTS
     arrange = partial(nodal_part, stiffness=K)
     S = None if reported else _read(given, given.mass, "M", arrange, findings)
+    if given.axes is not None:
+        turned_nodes = given.numbers[(given.axes != np.eye(3)).any(axis=(1, 2))]
+        message = f"the displacement of node {turned_nodes[0]} must be in basic axes (CD)"
+        findings.error(given.name, message, given.stiffness.place, id="FE-255")
     if given.reference:
         rows = [int(np.flatnonzero(given.numbers == node)[0]) for node in given.reference]
         check_reference(given, given.positions[rows], findings)

@@ -83,6 +83,7 @@ class FlexibleInput:
     material: ElementMaterial | None = None
     place: Place | None = None
     mesh: FEFile | None = None
+    axes: np.ndarray | None = None  # (n, 3, 3) displacement axes in columns; None: those of the table
 
 
 @dataclass(frozen=True)

@@ -92,7 +92,12 @@ MATRICES = [
         "1,1, 1,1, 1e36\n",
         "x: 1e+36 at node 1, direction 1, is a boundary condition; generate the matrices without *BOUNDARY",
     ),
-    ("ABQ", "1,4, 1,4, 2.0\n", "x: node 1 has rotations (direction 4 to 6); mesh with solid elements"),
+    (
+        "ABQ",
+        "1,7, 1,1, 2.0\n",
+        "x: direction 7 of node 1 is neither a translation nor a rotation (1 to 6): "
+        "export a mechanical model",
+    ),
     (
         "ABQ",
         "1,1, 1,1\n",
@@ -118,15 +123,8 @@ MATRICES = [
     ),
     (
         "DMIG",
-        DMIG_HEAD + DMIG_COLUMN + "*                      1               4 1.0\n",
-        "x, line 2: grid point 1 has rotations (component 4); mesh with solid elements",
-    ),
-    (
-        "DMIG",
-        DMIG_HEAD
-        + DMIG_COLUMN.replace("1               1", "1               0")
-        + "*                      1               1 1.0\n",
-        "x, line 2: scalar point 1 is a coordinate of a condensed model; full matrices are wanted",
+        DMIG_HEAD + DMIG_COLUMN + "*                      1               7 1.0\n",
+        "x, line 2: component 7 of point 1: 1 to 6 wanted, 0 at a scalar point",
     ),
     (
         "DMIG",
@@ -164,13 +162,14 @@ def test_matrix_files_that_cannot_be_read(tmp_path, form, text, message):
 
 
 MAPPINGS = [
-    ("HB", "ANS", "nothing here\n", "map holds no line 'equation node UX|UY|UZ'; is it the mapping file?"),
+    ("HB", "ANS", "nothing here\n", "map holds no line 'equation node UX|...|ROTZ'; is it the mapping file?"),
     (
         "HB",
         "ANS",
-        "1 1 UX\n2 1 ROTX\n",
-        "map, line 2: degree of freedom ROTX of node 1: only UX, UY, UZ can be used; "
-        "mesh with solid elements",
+        "1 1 UX\n2 1 TEMP\n",
+        "map, line 2: degree of freedom TEMP of node 1: only UX to ROTZ can be used. How mappings label "
+        "modal coordinates of substructures is not published: "
+        "condense without modes, or export the full model",
     ),
     ("HB", "ANS", "1 1 UX\n3 1 UY\n", "map maps 2 equations, but not equation 2"),
     ("HB", "CCX", "1.1\n", "format HB needs the equation mapping: add a card FEMP of format ANS"),

@@ -137,6 +137,7 @@ def flexible_body(
         material=stress_material(values, k, nodes_file, findings),
         place=record.place,
         mesh=mesh_file(values, k, nodes_file),
+        axes=None if mass.form == stiffness.form == OF_ELEMENTS else table.axes,
     )
     stiffened = _stiffened(values.record("stiffening", k), given, findings)
     return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)

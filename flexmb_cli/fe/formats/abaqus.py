@@ -43,13 +43,17 @@ def read_abaqus(path: Path, letter: str = "K", wanted: str = "") -> MatrixFile:
     name, lines = path.name, lines_of(path)
     if lines and lines[0].lower().startswith("%%matrixmarket"):
         raise line_fault(name, 1, "this is a Matrix Market file: the format is MM", id="FE-087")
+    sections = [section for section in _sections(name, lines) if section[2][0]]
+    if not sections:
+        raise FEFileFault(f"{name} holds no entries", id="FE-013")
+    if letter == "M" and all(rows is not None and label == "STIFFNESS" for label, rows, _ in sections):
+        message = "holds a stiffness only; *SUBSTRUCTURE MATRIX OUTPUT of Abaqus adds the mass by MASS=YES"
+        remedy = "that of CalculiX cannot: let *FREQUENCY, SOLVER=MATRIXSTORAGE write both"
+        raise FEFileFault(f"{name} {message}, {remedy}", id="FE-256")
     matrices = [
         NamedMatrix(label, True, partial(_read_one, name, rows, body, numbers))
-        for label, rows, (body, numbers) in _sections(name, lines)
-        if body
+        for label, rows, (body, numbers) in sections
     ]
-    if not matrices:
-        raise FEFileFault(f"{name} holds no entries", id="FE-013")
     return chosen(name, matrices, letter, wanted)
 
 
@@ -111,12 +115,12 @@ def _by_rows(_name: str, where: np.ndarray, values: np.ndarray) -> MatrixFile:
 
 
 def _by_nodes(name: str, where: np.ndarray, values: np.ndarray) -> MatrixFile:
-    turning = (where[:, 1::2] > 3).any(axis=1)
-    if (values[turning] != 0.0).any():
-        node = where[turning, 0][0]
-        message = f"{name}: node {node} has rotations (direction 4 to 6); mesh with solid elements"
-        raise FEFileFault(message, id="FE-014")
-    where, values = where[~turning], values[~turning]
+    others = (where[:, 1::2] > 6).any(axis=1)
+    if (values[others] != 0.0).any():
+        node, direction = where[others][0, :2] if where[others][0, 1] > 6 else where[others][0, 2:]
+        message = f"direction {direction} of node {node} is neither a translation nor a rotation"
+        raise FEFileFault(f"{name}: {message} (1 to 6): export a mechanical model", id="FE-252")
+    where, values = where[~others], values[~others]
     held = np.flatnonzero(np.abs(values) > LARGEST_STIFFNESS)
     if held.size:
         node, direction = where[held[0], :2]
@@ -132,22 +136,39 @@ _NODES = re.compile(r"ELEMENT NODES[^\n]*((?:\n\*\*[ \d,]*)+)", re.IGNORECASE | 
 
 
 def element_rows(name: str, line: int, count: str, body: list[str]) -> np.ndarray:
-    """Node and direction of the rows (size, 2) of the *USER ELEMENT on `line` with `count` nodes."""
-    data = [re.findall(r"\w+", text) for text in body if text.strip() and text[0] != "*"]
-    if data != [["1", "2", "3"]]:
-        message = (
-            "*USER ELEMENT must have directions 1, 2, 3 at all nodes alike, without rotations (4 to 6) and "
-            f"retained modes; read {data[:4]}"
-        )
-        raise line_fault(name, line, message, id="FE-191")
+    """Node and direction of the rows (size, 2) of the *USER ELEMENT on `line` with `count` nodes.
+
+    The first line of data has the directions of the first node, each of the others a position among the
+    nodes and the directions of that node and those after it.  CalculiX names a node once for every row.
+    """
+    directions = _directions(name, line, body)
     match = _NODES.search("\n".join(body))
     nodes = [int(node) for node in re.findall(r"\d{1,15}", match[1])] if match else []
     if not nodes or count not in ("", str(len(nodes))):
         message = f"*USER ELEMENT has {count} nodes, and its comment 'ELEMENT NODES' names {len(nodes)}"
         raise line_fault(name, line, message, id="FE-192")
-    rows = np.column_stack([np.repeat(nodes, 3), np.tile([1, 2, 3], len(nodes))])
-    check_labels(name, rows, "; each node of an element stands once")
-    return rows
+    rows: list[tuple[int, int]] = []
+    current = directions[1]
+    for position, node in enumerate(nodes, start=1):
+        current = directions.get(position, current)
+        rows += [(node, direction) for direction in current]
+    equations = np.array(rows, dtype=np.int64)
+    check_labels(name, equations, "; each node and direction of an element stands once")
+    return equations
+
+
+def _directions(name: str, line: int, body: list[str]) -> dict[int, list[int]]:
+    """Return the directions from a position among the nodes on, by that position."""
+    data = [re.findall(r"[^\s,]+", text) for text in body if text.strip() and text[0] != "*"]
+    lines = [["1", *data[0]], *data[1:]] if data else []
+    if (
+        not lines
+        or not all(word.isdecimal() and len(word) < 16 for words in lines for word in words)
+        or not all(set(words[1:]) and set(words[1:]) <= set("123456") for words in lines)
+    ):
+        message = f"*USER ELEMENT must have directions 1 to 6, of mechanics; read {data[:4]}"
+        raise line_fault(name, line, message, id="FE-191")
+    return {int(position): [int(word) for word in words] for position, *words in lines}
 
 
 def element_matrix(name: str, equations: np.ndarray, body: list[str], numbers: Sequence[int]) -> MatrixFile:
@@ -162,8 +183,9 @@ def element_matrix(name: str, equations: np.ndarray, body: list[str], numbers: S
     triangle = size * (size + 1) // 2
     if len(values) not in (triangle, size * size):
         raise FEFileFault(
-            f"{name}: a matrix of a *USER ELEMENT of {size // 3} nodes has {triangle} values; this one has "
-            f"{len(values)}",
+            f"{name}: the {size} directions of *USER ELEMENT make a matrix of {triangle} values; this one "
+            f"has {len(values)}. How this file labels retained modes is not published: generate the "
+            "substructure without *SELECT EIGENMODES",
             id="FE-194",
         )
     half = len(values) == triangle

@@ -28,7 +28,11 @@ MATRIX_FORMATS = {
     "OP4": MatrixFormat("nastran_op4:read_op4", by_name=True),
 }
 # Readers of equation mappings: (path).
-MAPPING_FORMATS = {"ANS": "harwell_boeing:read_mapping", "CCX": "calculix:read_dofs"}
+MAPPING_FORMATS = {
+    "ANS": "harwell_boeing:read_mapping",
+    "CCX": "calculix:read_dofs",
+    "BDF": "nastran:row_order",
+}
 # Formats that a mapping may or must stand beside; rows of DMIG always have nodes and directions.
 TAKES_MAPPING = tuple(form for form in MATRIX_FORMATS if form != "DMIG")
 # The form of a "file" that stands for the elements themselves.
@@ -44,9 +48,9 @@ def read_matrix(
 ) -> MatrixFile:
     """Return the matrix at `path` in format `form`; `mapping` gives the nodes and directions of its rows.
 
-    `name`, or `letter` (M, K, G for a geometric stiffness) without one, selects a matrix where a file holds
-    several.  Raises FEFileFault, also for a declared size that no free body with these entries can have: the
-    size determines how much memory is taken.
+    `name`, or without one `letter` (M, K, G for a geometric stiffness, B for viscous damping), selects a
+    matrix where a file holds several.  Raises FEFileFault, also for a declared size that no free body with
+    these entries can have: the size determines how much memory is taken.
     """
     found = _read(path, form, (letter, name), mapping, mapping_form)
     if found.size > len(found.values):

@@ -19,7 +19,10 @@ from .matrix_market import BANNER, read_node_vector
 # Of (1P,4E20.12) or (8I10) only letter and width matter: cells are cut to the end of each line.
 _FORMAT = re.compile(r"([IDEFG])([1-9]\d{0,2})(?!\d)", re.IGNORECASE)
 _EQUATION = re.compile(r"\s*(\d{1,15})\s+(\d{1,15})\s+([A-Za-z]\w*)\s*", re.ASCII)
-_DIRECTIONS = {"UX": 1, "UY": 2, "UZ": 3}
+# Components 1 to 6 by their labels.
+_LABELS = {
+    f"{kind}{axis}": 1 + 3 * k + i for k, kind in enumerate(("U", "ROT")) for i, axis in enumerate("XYZ")
+}
 
 
 def read_harwell_boeing(path: Path) -> MatrixFile:
@@ -47,7 +50,7 @@ def read_harwell_boeing(path: Path) -> MatrixFile:
 
 
 def read_mapping(path: Path) -> np.ndarray:
-    """Node and direction (1 2 3) of every equation, (size, 2), from a mapping file of HBMAT.
+    """Node and component (1 to 6) of every equation, (size, 2), from a mapping file of HBMAT.
 
     Or from a vector of node numbers in Matrix Market format.
     """
@@ -60,13 +63,16 @@ def read_mapping(path: Path) -> np.ndarray:
         if match is None:
             continue
         label = match[3].upper()
-        if label not in _DIRECTIONS:
+        if label not in _LABELS:
             named = f"degree of freedom {label} of node {match[2]}"
-            message = f"{named}: only UX, UY, UZ can be used; mesh with solid elements"
-            raise line_fault(path.name, number, message, id="FE-107")
-        found[int(match[1])] = int(match[2]), _DIRECTIONS[label]
+            message = (
+                f"{named}: only UX to ROTZ can be used. How mappings label modal coordinates of "
+                "substructures is not published: condense without modes, or export the full model"
+            )
+            raise line_fault(path.name, number, message, id="FE-253")
+        found[int(match[1])] = int(match[2]), _LABELS[label]
     if not found:
-        message = f"{path.name} holds no line 'equation node UX|UY|UZ'; is it the mapping file?"
+        message = f"{path.name} holds no line 'equation node UX|...|ROTZ'; is it the mapping file?"
         raise FEFileFault(message, id="FE-033")
     if sorted(found) != list(range(1, len(found) + 1)):
         gap = next(i for i in range(1, len(found) + 1) if i not in found)

@@ -7,10 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 # Names that Nastran gives square matrices end so; the first in a file are meant, of K and M in one set.
-SETS = ("AAX", "AA", "XX", "GG")
-# Letter: beginning of Nastran's name, beginnings of other names; G: geometric (differential) stiffness.
-NAMES = {"M": ("M", ("M",)), "K": ("K", ("K", "STIF")), "G": ("KD", ("K",))}
+SETS = ("AAX", "AA", "XX", "XX1", "GG")
+# Letter: beginning of Nastran's name, beginnings of other names; G: geometric (differential) stiffness,
+# B: viscous damping.
+NAMES = {"M": ("M", ("M",)), "K": ("K", ("K", "STIF")), "G": ("KD", ("K",)), "B": ("B", ("B", "VISC"))}
 DAMPING = "K4"  # structural damping
+TRANSLATIONS, ROTATIONS, MODAL = (1, 2, 3), (4, 5, 6), 0  # components of rows
 
 
 class FEFileFault(Exception):
@@ -29,9 +31,10 @@ class MatrixFile:
     """A square matrix as its file has it: k entries, counted from 0.
 
     `one_triangle`: the entries off the diagonal stand for their mirror images too.  `equations`
-    (size, 2): node and direction (1 2 3) of every row; None: rows follow the node table, x y z of its
-    first node first.  `digits`: significant digits of the longest number as it is printed, final zeros
-    included; 0 for binary files.
+    (size, 2): node and component of every row: translations 1 2 3 and rotations 4 5 6 along and about the
+    displacement axes of the node, or 0 of a modal coordinate, whose number no node has; rows without entries
+    may be missing.  None: rows follow the node table, those of its first node first.  `digits`: significant
+    digits of the longest number as it is printed, final zeros included; 0 for binary files.
     """
 
     size: int
@@ -44,11 +47,14 @@ class MatrixFile:
 
 
 def labelled(entries: np.ndarray, values: np.ndarray, one_triangle: bool | None = None) -> MatrixFile:
-    """The matrix of entries given by node and direction, (k, 4) integers: row node, row direction, column ...
+    """The matrix of entries given by node and component, (k, 4) integers: row node, row component, column ...
 
-    Rows are numbered by node and direction, ascending.  Whether one triangle is given is found out
-    from the entries when it is None.
+    Rows are numbered by node and component, ascending; those of rotations and modal coordinates without any
+    entry but zeros, as of solid elements, are left out.  Whether one triangle is given is found out from the
+    entries when it is None.
     """
+    of_points = np.isin(entries[:, 1::2], TRANSLATIONS).all(axis=1)
+    entries, values = entries[of_points | (values != 0.0)], values[of_points | (values != 0.0)]
     pairs = entries.reshape(-1, 2)
     equations, index = np.unique(pairs, axis=0, return_inverse=True)
     rows, columns = index.reshape(-1, 2).T

@@ -1,4 +1,4 @@
-"""Nastran matrices as DMIG cards, by grid point and component.
+"""Nastran matrices as DMIG cards, by grid point and component, grid points, and the order of rows.
 
 MSC Nastran Quick Reference Guide, DMIG.  pyNastran reads them too, but cannot stand beside numpy 2.
 """
@@ -14,7 +14,7 @@ import numpy as np
 
 from .bulk_data import BulkCard, bulk_cards
 from .file_text import digits_in
-from .matrix_file import FEFileFault, MatrixFile, NamedMatrix, chosen, labelled, mirrored
+from .matrix_file import MODAL, FEFileFault, MatrixFile, NamedMatrix, check_labels, chosen, labelled, mirrored
 from .node_table import BASIC, CoordinateSystem, Node, spanned
 
 _SYMMETRIC, _SQUARE = 6, (1, 2)
@@ -26,12 +26,16 @@ _MANY_VALUES = 50_000
 def read_dmig(path: Path, letter: str, wanted: str = "") -> MatrixFile:
     """The DMIG matrix `wanted` at `path`, or the one that `letter` (M K G) means.  Raises FEFileFault."""
     cards: dict[str, list[BulkCard]] = {}
-    for card in bulk_cards(path, ("DMIG",)):
-        cards.setdefault(card.fields[0].upper(), []).append(card)
+    scalars: list[range] = []
+    for card in bulk_cards(path, ("DMIG", "SPOINT")):
+        if card.name == "SPOINT":
+            scalars += _scalar_points(card)
+        else:
+            cards.setdefault(card.fields[0].upper(), []).append(card)
     if not cards:
         raise FEFileFault(f"{path.name} holds no DMIG card", id="FE-042")
     matrices = [
-        NamedMatrix(name, _is_usable(found[0]), partial(_matrix, path, name, found))
+        NamedMatrix(name, _is_usable(found[0]), partial(_matrix, path, name, found, scalars))
         for name, found in cards.items()
     ]
     return chosen(path.name, matrices, letter, wanted)
@@ -41,7 +45,17 @@ def _is_usable(header: BulkCard) -> bool:
     return header.fields[2] in map(str, (_SYMMETRIC, *_SQUARE)) and header.fields[3] in map(str, _REAL)
 
 
-def _matrix(path: Path, name: str, cards: list[BulkCard]) -> MatrixFile:
+def _scalar_points(card: BulkCard) -> list[range]:
+    """Return the scalar points that a card SPOINT names, one by one or from the first to the last."""
+    fields = [field for field in card.fields if field]
+    if len(fields) == 3 and fields[1].upper() == "THRU":
+        first, last = (card.integer(i, "a scalar point") for i in (0, 2))
+        return [range(first, last + 1)]
+    numbers = [card.integer(i, "a scalar point") for i, field in enumerate(card.fields) if field]
+    return [range(number, number + 1) for number in numbers]
+
+
+def _matrix(path: Path, name: str, cards: list[BulkCard], scalars: list[range]) -> MatrixFile:
     header, *columns = cards
     symmetric = _check_header(name, header)
     entries: list[tuple[int, int, int, int]] = []
@@ -52,6 +66,8 @@ def _matrix(path: Path, name: str, cards: list[BulkCard]) -> MatrixFile:
             raise card.line.fault(message, id="FE-204")
         _read_column(card, entries, values)
     where = np.array(entries, dtype=np.int64).reshape(-1, 4)
+    for points in scalars:  # the component of a scalar point is 0, or 1 as well
+        where[:, 1::2][(where[:, ::2] >= points.start) & (where[:, ::2] < points.stop)] = MODAL
     found = labelled(where, np.array(values), True if symmetric else None)
     entry, counts = np.unique(where, axis=0, return_counts=True)
     if (counts > 1).any():
@@ -95,21 +111,41 @@ def _read_column(card: BulkCard, entries: list[tuple[int, int, int, int]], value
             continue
         row = card.integer(first, "a grid point")
         row_component = card.integer(first + 1, "a component")
-        value = card.real(first + 2, "a value")
-        if value and not {component, row_component} <= {1, 2, 3}:
-            _refuse(card, row, row_component, node, component)
-        if component in (1, 2, 3) and row_component in (1, 2, 3):
-            entries.append((row, row_component, node, component))
-            values.append(value)
+        values.append(card.real(first + 2, "a value"))
+        entries.append((row, row_component, node, component))
+        for point, number in ((node, component), (row, row_component)):
+            if not 0 <= number <= 6:
+                message = f"component {number} of point {point}: 1 to 6 wanted, 0 at a scalar point"
+                raise card.line.fault(message, id="FE-122")
 
 
-def _refuse(card: BulkCard, row: int, row_component: int, node: int, component: int) -> None:
-    point, wrong = (node, component) if component not in (1, 2, 3) else (row, row_component)
-    if wrong == 0:
-        message = f"scalar point {point} is a coordinate of a condensed model; full matrices are wanted"
-    else:
-        message = f"grid point {point} has rotations (component {wrong}); mesh with solid elements"
-    raise card.line.fault(message, id="FE-122")
+def row_order(path: Path) -> np.ndarray:
+    """Node and component of every row of an external superelement, (size, 2), in the order of card EXTRN.
+
+    MSC Nastran Quick Reference Guide, EXTRN: pairs of a point and its components, 0 of a scalar point.
+    Matrices that EXTSEOUT writes to OP4 files have their rows so.
+    """
+    rows = [
+        (card.integer(i, "a grid point"), int(digit))
+        for card in bulk_cards(path, ("EXTRN",))
+        for i in range(0, len(card.fields), 2)
+        if card.fields[i]
+        for digit in _components(card, i + 1)
+    ]
+    if not rows:
+        message = "holds no card EXTRN, which gives the order of the rows; name the .pch or .asm of EXTSEOUT"
+        raise FEFileFault(f"{path.name} {message}", id="FE-250")
+    equations = np.array(rows, dtype=np.int64)
+    check_labels(path.name, equations, "; EXTRN names each row once")
+    return equations
+
+
+def _components(card: BulkCard, field: int) -> str:
+    """Return the digits of the components in a field of the card."""
+    text = card.field(field) or "0"
+    if text != "0" and (set(text) - set("123456") or len(set(text)) < len(text)):
+        raise card.card_fault(f"components such as 123456 wanted, or 0; read '{text}'", id="FE-251")
+    return text
 
 
 _CORDS = tuple(f"CORD{points}{type}" for points in "12" for type in "RCS")
@@ -121,7 +157,7 @@ DEEPEST_SYSTEM = 50
 
 
 def grids(path: Path) -> Iterator[Node]:
-    """Yield number, position and line of every grid point.  Raises FEFileFault."""
+    """Yield number, position, line, and turned displacement axes of every grid point.  Raises FEFileFault."""
     points, systems = [], _Systems()
     for card in bulk_cards(path, ("GRID", "GRDSET", *_CORDS)):
         card.fields.extend([""] * 8)
@@ -136,14 +172,15 @@ def grids(path: Path) -> Iterator[Node]:
             card.fields[i] = card.fields[i] or defaults.fields[i]
     for card in points:
         node = card.integer(0, "the number of the point")
-        _check(node, card, systems.of(card, _CD, ()))
-        yield node, systems.position(card, ()), card.line
+        _check(node, card)
+        position, system = systems.position(card, ()), systems.of(card, _CD, ())
+        axes = None if system is BASIC else system.axes_at(np.array(position))
+        turned = axes is not None and not np.allclose(axes, np.eye(3))
+        yield (node, position, card.line, axes) if turned else (node, position, card.line)
 
 
-def _check(node: int, card: BulkCard, system: CoordinateSystem) -> None:
-    """Refuse what turns a point's rows in matrices, or takes them out."""
-    if system is not BASIC and (system.type != "R" or not np.allclose(system.axes, np.eye(3))):
-        raise card.card_fault(f"{node}: the displacement must be in basic axes (CD)", id="FE-132")
+def _check(node: int, card: BulkCard) -> None:
+    """Refuse what takes a point's rows out of matrices."""
     if set(card.fields[_PS]) & set("123"):
         raise card.card_fault(f"{node} is held by PS = {card.fields[_PS]}; export the body free", id="FE-170")
     if card.fields[_SEID].strip("0"):

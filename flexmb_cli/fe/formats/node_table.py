@@ -28,15 +28,21 @@ _LISTED = re.compile(r"\bDSYS\s*=\s*([1-9]\d*)", re.IGNORECASE)
 _HEADING = re.compile(r"[^\d+\-.]")
 
 
-Node = tuple[int, Any, Line]  # number, position, m, and the line that gives it
+# Number, position, m, the line that gives it, and displacement axes (3, 3) in columns if they are turned.
+Node = tuple[int, Any, Line] | tuple[int, Any, Line, Any]
 
 
 @dataclass(frozen=True)
 class NodeTable:
-    """Numbers (n,) and positions (n, 3), m, of the nodes in the file's order."""
+    """Numbers (n,) and positions (n, 3), m, of the nodes in the file's order.
+
+    `axes` (n, 3, 3): displacement axes of the nodes, in columns, by which rows of matrices are; None where
+    all are those of the table.
+    """
 
     numbers: np.ndarray
     positions: np.ndarray
+    axes: np.ndarray | None = None
 
 
 def read_node_table(path: Path, form: str) -> NodeTable:
@@ -47,17 +53,19 @@ def read_node_table(path: Path, form: str) -> NodeTable:
         found = list(reader(path))
     if not found:
         raise FEFileFault(f"{path.name} holds no nodes in format {form}", id="FE-053")
-    numbers = np.array([number for number, _, _ in found], dtype=np.int64)
-    check_twice(path.name, "node", ((number, line) for number, _, line in found))
-    positions = np.array([position for _, position, _ in found], dtype=float)
+    numbers = np.array([node[0] for node in found], dtype=np.int64)
+    check_twice(path.name, "node", ((node[0], node[2]) for node in found))
+    positions = np.array([node[1] for node in found], dtype=float)
+    turned = any(len(node) > 3 for node in found)
     far = np.flatnonzero(~(np.abs(positions) <= FARTHEST).all(axis=1))
     if far.size:
-        node, position, line = found[far[0]]
+        node, position, line = found[far[0]][:3]
         if not np.isfinite(position).all():
             raise line.fault(f"the position of node {node} is not finite", id="FE-129")
         message = f"node {node} lies farther off than {FARTHEST:g} m; was a digit of an exponent lost?"
         raise line.fault(message, id="FE-130")
-    return NodeTable(numbers, positions)
+    axes = np.array([node[3] if len(node) > 3 else np.eye(3) for node in found]) if turned else None
+    return NodeTable(numbers, positions, axes)
 
 
 def check_twice(name: str, what: str, lines: Iterable[tuple[int, Line]]) -> None:
@@ -120,6 +128,21 @@ class CoordinateSystem(NamedTuple):
             height = last if self.type == "C" else r * np.cos(np.radians(theta))
             r, theta, last = across * np.cos(around), across * np.sin(around), height
         return self.origin + self.axes @ (r, theta, last)
+
+    def axes_at(self, point: Any) -> Any:
+        """Return the directions (3, 3) of the coordinates at `point` (3,), in columns.
+
+        Those of a cylinder or a sphere are radial, then along theta; on its axis theta counts as 0.
+        """
+        x, y, z = self.axes.T @ (point - self.origin)
+        across = np.hypot(x, y)
+        around = np.arctan2(y, x) if across > LEAST_SPAN * abs(z) else 0.0
+        turn = rotation(np.array([0.0, 0.0, 1.0]), np.degrees(around))
+        if self.type == "S":  # r, theta from the z axis, phi
+            r = np.hypot(across, z) or 1.0
+            s, c = (across / r, z / r) if across or z else (1.0, 0.0)
+            turn = turn @ np.array([[s, c, 0.0], [0.0, 0.0, 1.0], [c, -s, 0.0]])
+        return self.axes if self.type == "R" else self.axes @ turn
 
 
 BASIC = CoordinateSystem("R", np.zeros(3), np.eye(3))

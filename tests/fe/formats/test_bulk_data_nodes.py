@@ -86,11 +86,6 @@ def test_bulk_data_that_is_included_belongs_to_the_mesh(tmp_path, how):
 GRID = "GRID,1,,0.,0.,0.\n"
 REFUSED_GRIDS = {
     "an unknown system": ("GRID,1,9,0.,0.,0.\n", "GRID: coordinate system 9 is on no card CORD1R ... CORD2S"),
-    "turned displacements": (CORD2R + "GRID,1,,0.,0.,0.,3\n", "line 3: GRID: 1: the displacement must be in"),
-    "turned displacements by GRDSET": (CORD2R + "GRDSET,,,,,,3\n" + GRID, "the displacement must be in"),
-    "displacements about an axis": (
-        "CORD2C,3,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nGRID,1,,0.,0.,0.,3\n", "the displacement must be in basic",
-    ),
     "a support": ("GRID,1,,0.,0.,0.,,123456\n", "GRID: 1 is held by PS = 123456; export the body free"),
     "a support by GRDSET": ("GRDSET,,,,,,,3\n" + GRID, "1 is held by PS = 3"),
     "a superelement": ("GRID,1,,0.,0.,0.,,,2\n", "1 is of superelement 2"),

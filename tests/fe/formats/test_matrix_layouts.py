@@ -185,15 +185,15 @@ def _dmig_of_corners(matrix):
     ("old", "new", "words"),
     [
         ("", "", "a mass condensed to a substructure or superelement"),
-        ("1, 2, 3\n", "1, 2, 3, 4, 5, 6\n", "without rotations (4 to 6)"),
-        ("1, 2, 3\n", "1, 2, 3\n 5, 1, 2\n", "at all nodes alike"),
+        ("1, 2, 3\n", "1, 2, 3, 4, 5, 6\n", "the 48 directions of *USER ELEMENT make"),
+        ("1, 2, 3\n", "1, 2, 3\n 5, 1, 2\n", "the 20 directions of *USER ELEMENT"),
         ("NODES=       8", "NODES=       9", "has 9 nodes, and its comment 'ELEMENT NODES' names 8"),
         (
             "**1, 2, 3, 4, 13, 14, 15, 16",
             "**1, 2, 3, 4, 13, 14, 15, 15",
             "node 15, direction 1 stands 2 times",
         ),
-        ("9.7255855369618e+08\n8", "8", "of a *USER ELEMENT of 8 nodes has 300 values; this one has 299"),
+        ("9.7255855369618e+08\n8", "8", "make a matrix of 300 values; this one has 299"),
         ("8.0890908962948e+07, ", "8.0890908962948f+07, ", "line 9: values by commas wanted"),
         ("*MATRIX,TYPE=MASS", "*MATRIX,TYPE=MASS,SCALE FACTOR=2", "SCALE FACTOR is not read"),
         ("*MATRIX,TYPE=MASS", "*DAMPING", "*DAMPING is not read"),
