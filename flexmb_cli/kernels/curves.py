@@ -14,6 +14,8 @@ from ._jit import kernel
 from .constrained.time_functions import function_values
 from .linalg.vec3 import cross, dot, minus, scaled
 
+ROUNDED_BITS = 26  # of a parameter
+LAST_CORRECTIONS = 2  # from there to round-off
 MOST_CORRECTIONS = 30  # of a parameter by Newton's method
 CORRECTED = 1e-10  # share of the parameter: the correction that follows one so small is round-off
 
@@ -35,16 +37,33 @@ def curve_values(
 def nearest_parameter(
     functions: np.ndarray, knots: np.ndarray, first: int, p: tuple[float, float, float], s: float
 ) -> float:
-    """Parameter of the place nearest to p, axes of the curve's body, m, in the neighbourhood of s."""
+    """Parameter of the place nearest to p, axes of the curve's body, m, in the neighbourhood of s.
+
+    The last corrections begin at a rounded parameter: the same for all s from which it is reached, so that
+    a resumed run has the same bytes.
+    """
     before = math.inf
     for _ in range(MOST_CORRECTIONS):
-        c, d, b = curve_values(functions, knots, first, s)
-        step = dot(d, minus(p, c)) / stretch(d, b, minus(p, c))
+        step = _correction(functions, knots, first, p, s)
         s += step
         if abs(step) <= CORRECTED * abs(s) or (abs(step) >= before and before <= CORRECTED):
             break
         before = abs(step)
+    d = curve_values(functions, knots, first, s)[1]
+    _, power = math.frexp(abs(s) + math.sqrt(dot(p, p) / dot(d, d)))
+    s = math.ldexp(np.floor(math.ldexp(s, ROUNDED_BITS - power) + 0.5), power - ROUNDED_BITS)
+    for _ in range(LAST_CORRECTIONS):
+        s += _correction(functions, knots, first, p, s)
     return s
+
+
+@kernel
+def _correction(
+    functions: np.ndarray, knots: np.ndarray, first: int, p: tuple[float, float, float], s: float
+) -> float:
+    """Step of Newton's method from s to the nearest place."""
+    c, d, b = curve_values(functions, knots, first, s)
+    return dot(d, minus(p, c)) / stretch(d, b, minus(p, c))
 
 
 @kernel

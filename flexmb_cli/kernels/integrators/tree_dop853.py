@@ -156,7 +156,7 @@ def _fill_row(
     """Fill a report row at a time up to the present one; a code."""
     clock = integration.clock[0]
     copy(integration.z, integration.trial)
-    if t < clock["t"]:
+    if clock["step_start"] <= t < clock["t"]:
         interpolate(
             integration.old,
             integration.dense,

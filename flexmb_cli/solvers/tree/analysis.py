@@ -14,7 +14,15 @@ from ...model.arrays.tree import TreeArrays
 from ...model.integrators import LIBRARY_TREE_METHODS, steps_at_limit
 from ...model.signals import is_sampled
 from ...model.tree import Tree
-from ..checkpoint import contacts_in, restore_contacts, row_of, taken, taken_clock
+from ..checkpoint import (
+    contacts_in,
+    faults_reported,
+    reported,
+    restore_contacts,
+    row_of,
+    taken,
+    taken_clock,
+)
 from ..curve_ends import on_curves
 from .assembly import assemble_tree, pivot_shares
 from .breakpoints import breakpoints, refuse_jumps
@@ -50,6 +58,7 @@ class TreeAnalysis(TreeSteps):
         clock["length"] = np.inf
         return {
             "row": np.array(self.row),
+            "warnings": reported(self.warnings),
             "clock": clock,
             "state": self.integration.old.copy(),
             "attitude": self.attitude,
@@ -61,6 +70,7 @@ class TreeAnalysis(TreeSteps):
         """Go on behind the rows that were yielded up to a checkpoint."""
         self.resumed = True
         self.row = row_of(checkpoint)
+        self.warnings[:] = faults_reported(checkpoint)
         self.attitude = taken(checkpoint, "attitude", (len(self.tree.bodies), 4))
         size = self.integration.z.size
         self.clock[:] = taken_clock(checkpoint, "clock", self.clock, size, size)
@@ -142,13 +152,13 @@ class TreeAnalysis(TreeSteps):
             # The first step begins with the contacts of the state, not with those of the probe before it.
             code = self.evaluate()
             self._contacts = contacts_in(self.arrays.contacts)
-        self.resumed = False
+        resumed, self.resumed = self.resumed, False
         self.integration.old[:] = self.integration.z
         if code == codes.NO_INERTIA:
             raise self.failure()
         if self.repeated is None:
             self.repeated = pivot_shares(self.arrays) == 0.0
-            if self.repeated.any():
+            if self.repeated.any() and not resumed:
                 self._warn_of_repetition(self.repeated)
 
     def _sample(self) -> None:
