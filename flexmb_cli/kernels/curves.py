@@ -50,8 +50,10 @@ def nearest_parameter(
             break
         before = abs(step)
     d = curve_values(functions, knots, first, s)[1]
-    _, power = math.frexp(abs(s) + math.sqrt(dot(p, p) / dot(d, d)))
-    s = math.ldexp(np.floor(math.ldexp(s, ROUNDED_BITS - power) + 0.5), power - ROUNDED_BITS)
+    size = abs(s) + math.sqrt(dot(p, p) / dot(d, d))
+    if 0.0 < size < math.inf:
+        grid = 2.0 ** (np.floor(math.log(size) / math.log(2.0)) - ROUNDED_BITS)
+        s = grid * np.floor(s / grid + 0.5)
     for _ in range(LAST_CORRECTIONS):
         s += _correction(functions, knots, first, p, s)
     return s
