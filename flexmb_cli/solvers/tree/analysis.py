@@ -14,15 +14,7 @@ from ...model.arrays.tree import TreeArrays
 from ...model.integrators import LIBRARY_TREE_METHODS, steps_at_limit
 from ...model.signals import is_sampled
 from ...model.tree import Tree
-from ..checkpoint import (
-    contacts_in,
-    faults_reported,
-    reported,
-    restore_contacts,
-    row_of,
-    taken,
-    taken_clock,
-)
+from ..checkpoint import contacts_in, faults_reported, reported, restore_contacts, row_of, taken, taken_clock
 from ..curve_ends import on_curves
 from .assembly import assemble_tree, pivot_shares
 from .breakpoints import breakpoints, refuse_jumps
