@@ -231,6 +231,14 @@ class JointStart:
 
 
 @dataclass(frozen=True)
+class StartAtRest:
+    """The motion begins at rest in the equilibrium that the mechanism falls into under its loads."""
+
+    name: str
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
 class JointElements:
     """All elements in the order of the deck."""
 
@@ -241,6 +249,7 @@ class JointElements:
     couplings: tuple[Coupling, ...] = ()
     composites: tuple[CompositeJoint, ...] = ()
     starts: tuple[JointStart, ...] = ()
+    rests: tuple[StartAtRest, ...] = ()
     curves: tuple[Curve, ...] = ()
     signals: tuple[Signal, ...] = ()
 

@@ -3,7 +3,7 @@
 import io
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -61,6 +61,12 @@ def _fill(report: ModesReport, wish: Wish, run: Run) -> None:
             "give them"
         )
         raise ModelError([Fault("error", message, id="RUN-018")])
+    if model.elements.rests:
+        if wish.time is not None and not wish.equilibrium:
+            [line] = model.elements.rests
+            message = "the motion from the equilibrium is not followed to --at TIME; leave out one of them"
+            raise ModelError([Fault("error", message, line.place, line.name, id="SOLVE-183")])
+        wish = replace(wish, equilibrium=True)
     run.outcome.faults += unit_warnings(model)
     report.deck = deck
     if analysis == "flexible":

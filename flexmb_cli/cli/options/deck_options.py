@@ -19,11 +19,12 @@ from .output_file import Finite, files
 if TYPE_CHECKING:
     from ...run.check.check import CheckReport
     from ...run.modes import ModesReport
+    from ...run.statics import StaticsReport
     from ...run.verify.verify import Verification
 
 
 # What a command reports of a deck, with its `outcome`.
-Report = TypeVar("Report", bound="CheckReport | ModesReport | Verification")
+Report = TypeVar("Report", bound="CheckReport | ModesReport | StaticsReport | Verification")
 
 # Results of an earlier run look like those of this one, which wrote none.
 _SHOWN_ALWAYS = frozenset({"RUN-042", "RUN-072"})

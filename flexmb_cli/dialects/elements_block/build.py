@@ -11,7 +11,7 @@ import numpy as np
 
 from ...deck.record import Number
 from ...model.diagnostics import Findings
-from ...model.joint_elements import Coupling, Curve, JointDriver, JointElements, JointStart
+from ...model.joint_elements import Coupling, Curve, JointDriver, JointElements, JointStart, StartAtRest
 from ...model.laws import (
     FRICTION,
     FUNCTIONS,
@@ -65,6 +65,9 @@ class BlockBuilder:
             if item is not None:
                 found.setdefault(field, []).append(item)
         self._refuse_twice(found)
+        for item in found.get("starts", ()) if "rests" in found else ():
+            message = "START equilibrium says how the motion begins; remove one of them"
+            self.findings.error(item.name, message, item.place, id="ELEMENTS-200")
         self._refuse_driven(found.get("starts", ()), found.get("drivers", ()))
         groups: dict[str, Any] = {name: tuple(items) for name, items in found.items()}
         groups["forces"] = motors_last(groups.get("forces", ()))
@@ -81,7 +84,7 @@ class BlockBuilder:
             return self._coupling(line)
         makers = {
             "DRIVE": ("drivers", self.driver),
-            "START": ("starts", self._start),
+            "START": ("rests", self._at_rest) if line.begins_at_rest else ("starts", self._start),
             "CURVE": ("curves", self._curve),
         }
         if line.word not in makers:
@@ -364,6 +367,9 @@ class BlockBuilder:
             self.measures.error(line, number, "a factor of 0 couples nothing", id="ELEMENTS-008")
         at = self.measures.named(line, number, number.key)
         return at and (*at, float(number.value))
+
+    def _at_rest(self, line: ElementLine) -> StartAtRest:
+        return StartAtRest(line.subject, line.place)
 
     def _start(self, line: ElementLine) -> JointStart | None:
         at = self.measures.at(line)

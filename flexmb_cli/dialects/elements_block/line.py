@@ -10,6 +10,7 @@ from ...errors import Place
 SECTION = "elements"
 MOST_ELEMENTS = 20_000  # of a deck; one takes up to 6 kB
 OUTPUT = "OUTPUT"  # word of quantities that results have besides
+EQUILIBRIUM = "equilibrium"  # name of a line START without keys: the motion begins at rest
 MASS = "MASS"  # word of masses that are added to bodies
 # Words that bring in equations, or take those of the deck away.
 CONSTRAINING = ("DRIVE", "SUPPORT", "COUPLING", "CURVE", "JOINT")
@@ -36,6 +37,11 @@ class ElementLine(Record):
     def place(self) -> Place | None:
         """Place of its word."""
         return self.begins
+
+    @property
+    def begins_at_rest(self) -> bool:
+        """Return whether it is `START equilibrium`."""
+        return self.word == "START" and self.subject.lower() == EQUILIBRIUM and not self.numbers
 
     def place_of(self, key: str) -> Place | None:
         """Place of a number; that of the line where the number was set."""

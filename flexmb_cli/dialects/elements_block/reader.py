@@ -14,7 +14,7 @@ from ...deck.record import Lines, Number
 from ...deck.words import Word
 from ...errors import Fault, FaultList, Place
 from ...model.laws import VECTOR
-from .line import MASS, MOST_ELEMENTS, OUTPUT, SECTION, ElementLine
+from .line import EQUILIBRIUM, MASS, MOST_ELEMENTS, OUTPUT, SECTION, ElementLine
 from .text import BLOCK, statements
 from .words import (
     AXIS,
@@ -427,7 +427,8 @@ class _Line:
 
     def _check_complete(self) -> None:
         missing = [key.name for key in self.word.keys if key.needed and key.name not in self.given]
-        if missing:
+        at_rest = self.word.word == "START" and self.name.lower() == EQUILIBRIUM and not self.given
+        if missing and not at_rest:
             message = f"{' and '.join(missing)} must be given: {usage(self.word)}"
             self.error(self.first, message, id="ELEMENTS-062")
         if self.word.word == OUTPUT:

@@ -291,7 +291,8 @@ WORDS = (
     ),
     BlockWord(
         "START",
-        "coordinate at the start, its rate, or both",
+        "coordinate at the start, its rate, or both; `START equilibrium`: the motion begins at rest in the "
+        "equilibrium under its loads",
         (
             AT._replace(needed=True),
             Key("value", "coordinate at the start", units=("m", "rad")),
@@ -310,6 +311,8 @@ def usage(word: BlockWord) -> str:
         return f"OUTPUT name = formula, or OUTPUT name {'|'.join(word.kinds)} ({keys}) [axes=…]"
     if word.word == "COUPLING":
         return "COUPLING name 2.angle=factor 3.stroke=factor …, or from=1.angle to=2.stroke function=name"
+    if word.word == "START":
+        return "START at=2.angle value=… rate=…, or START equilibrium"
     parts = [word.word, "name" if not word.unnamed else "", "|".join(word.kinds)]
     if word.word == "SIGNAL":
         return "SIGNAL name sum 0.8 -1*2.angle, or SIGNAL name pid of=error kp=3 ki=10, and so on"

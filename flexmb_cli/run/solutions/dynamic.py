@@ -36,7 +36,7 @@ def solution(model: DynamicModel, run: Run) -> Solution:
         raise ModelError([Fault("error", reported, id="RUN-031")])
     model = _as_asked(model, run.options)
     if model.analysis != "forward":
-        refuse_rest(run)
+        refuse_rest(run, model.elements)
     stepped = model.analysis == "forward" or bool(model.elements)
     analysis: Any = (_stepped if stepped else _inverse)(model, run)
     # Results of a prescribed motion hold no energies.
@@ -93,7 +93,7 @@ def _stepped(model: DynamicModel, run: Run) -> "ForwardDynamics":
             run,
             6 * len(mechanism.bodies),
             mechanism.time,
-            model.elements.signals,
+            model.elements,
         )
     announce_compiling(run.listener, analysis.integrator.entry)
     return analysis

@@ -73,7 +73,7 @@ def _analysis(mechanism: FlexibleMechanism, run: Run) -> FlexibleDynamics:
         run,
         analysis.arrays.speeds,
         mechanism.time,
-        mechanism.elements.signals,
+        mechanism.elements,
     )
     announce_compiling(run.listener, analysis.integrator.entry)
     return analysis

@@ -24,7 +24,7 @@ def solution(mechanism: Mechanism, run: Run) -> Solution:
     """Return the kinematics of `mechanism`, ready to be solved."""
     if run.options.as_printed:
         return _as_printed(mechanism, run)
-    refuse_rest(run)
+    refuse_rest(run, None)
     announce_compiling(run.listener, "kinematics.continuation.follow")
     analysis = KinematicAnalysis(mechanism, KinematicSettings(**run.options.solver))
     whole = _solution(mechanism, analysis, run, not analysis.one_block)

@@ -60,8 +60,8 @@ def kane_analysis(tree: Tree, run: Run) -> "TreeAnalysis":
 
     announce_compiling(run.listener, "integrators.tree_dop853.integrate_rows")
     analysis = TreeAnalysis(tree)
-    signals = tree.elements.signals
-    begin_at_rest(analysis, partial(TreeAnalysis, tree), run, len(tree.coordinates), tree.time, signals)
+    again, speeds = partial(TreeAnalysis, tree), len(tree.coordinates)
+    begin_at_rest(analysis, again, run, speeds, tree.time, tree.elements)
     return analysis
 
 
@@ -69,7 +69,7 @@ def absolute_analysis(tree: Tree, run: Run) -> Any:
     """Return the analysis in absolute coordinates; raises ModelError for what is not carried over."""
     from ...solvers.constrained.tree import AbsoluteTree
 
-    refuse_rest(run)
+    refuse_rest(run, tree.elements)
     announce_compiling(run.listener, "integrators.constrained_dop853.integrate_rows")
     return AbsoluteTree(tree)
 

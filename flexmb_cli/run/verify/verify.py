@@ -149,6 +149,7 @@ def verify_deck(
             found.outcome.echo = echo(deck)
         run = Run(found.outcome, options, (listener or Listener()).kept_in(found.outcome.notices))
         model = model_of(deck, run)
+        _refuse_rest(model)
         formulation = module_for(model, "verify")
         found.formulations = formulation.FORMULATIONS
         found.differences = formulation.differences(model, deck, run)
@@ -156,6 +157,14 @@ def verify_deck(
         if largest is None or not largest.relative <= tolerance:
             found.outcome.exit_code = ANALYSIS_FAILED
     return found
+
+
+def _refuse_rest(model: Any) -> None:
+    elements = getattr(model, "elements", None)
+    if elements is not None and elements.rests:
+        message = "verify begins both motions where the deck does; leave out this line in a copy of the deck"
+        [line] = elements.rests
+        raise ModelError([Fault("error", message, line.place, line.name, id="SOLVE-182")])
 
 
 # Name and units of what elements have, by the paths of their datasets.

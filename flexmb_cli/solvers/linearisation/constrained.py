@@ -8,6 +8,7 @@ import numpy as np
 from ...errors import AnalysisError, Fault
 from ...kernels.constrained.accelerations import accelerations, evaluate_jacobian
 from ...kernels.constrained.angle_unwrapping import EXPECTED
+from ...kernels.constrained.mass_matrix import mass_matrices, mass_times
 from ...kernels.constrained.projection import project_position, project_speeds, rate_gap
 from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import GAMMA, NO_INERTIA, SOLVED, System
@@ -149,6 +150,16 @@ class ConstrainedLinearised(LinearisedMotion):
         """Return the state where the states of signals, which the kernels have at hand, are changed (s,)."""
         self.signals.states[:] = self.states + change
         return self.q, self.u
+
+    def mass_times(self, x: np.ndarray) -> np.ndarray:
+        """Return the mass matrix (n, n) times columns x (n, k) of speeds, at the state."""
+        work, columns, product = self.analysis.work, [], np.zeros(len(x))
+        evaluate_jacobian(self.system, work, self.q)
+        mass_matrices(self.system, work, self.q)
+        for column in x.T:
+            mass_times(self.system, work, np.ascontiguousarray(column), product)
+            columns.append(product.copy())
+        return np.array(columns).reshape(-1, len(x)).T
 
     def near(self, state: Any, t: float) -> "ConstrainedLinearised":
         """Return the same coordinates near a position and speeds, where they meet the constraints."""

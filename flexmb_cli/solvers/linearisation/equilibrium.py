@@ -42,25 +42,44 @@ def rest_of(analysis: Any, warnings: list[Fault]) -> np.ndarray:
 
     Of a mechanism coordinates and speeds, of a tree the whole state.  Raises as `find_equilibrium`.
     """
-    from ..tree.analysis import TreeAnalysis
-    from .constrained import ConstrainedLinearised, linearised, modes_of
-    from .tree import TreeLinearised, start_tree
+    from .constrained import linearised, modes_of
 
-    of_tree = isinstance(analysis, TreeAnalysis)
-    formulation = TreeLinearised if of_tree else ConstrainedLinearised
-    if of_tree:
-        start_tree(analysis, analysis.tree.time.start)
-    else:
-        analysis.start()
-    find_equilibrium(analysis, formulation)
-    growing = modes_of(*linearised(analysis, formulation)).growing
+    growing = modes_of(*linearised(analysis, settle(analysis))).growing
     if growing.size:
         message = (
             f"the equilibrium is unstable: a disturbance grows by e in {1.0 / growing.max():.3g} s; begin "
             "aside of it for one that is stable"
         )
         warnings.append(Fault("warning", message, id="SOLVE-112"))
-    if of_tree:
+    return state_of(analysis)
+
+
+def settle(analysis: Any) -> type:
+    """Start an analysis, or begin at its `rest`, and bring it into an equilibrium.
+
+    Return the class of its `LinearisedMotion`.  Raises as `find_equilibrium`.
+    """
+    from ..tree.analysis import TreeAnalysis
+    from .constrained import ConstrainedLinearised
+    from .tree import TreeLinearised, start_tree
+
+    formulation: type = ConstrainedLinearised
+    if isinstance(analysis, TreeAnalysis):
+        formulation = TreeLinearised
+        start_tree(analysis, analysis.tree.time.start)
+        if analysis.rest is not None:
+            analysis.state[:] = analysis.rest
+    else:
+        analysis.start()
+    find_equilibrium(analysis, formulation)
+    return formulation
+
+
+def state_of(analysis: Any) -> np.ndarray:
+    """Return the state of an analysis as `rest_of` does."""
+    from ..tree.analysis import TreeAnalysis
+
+    if isinstance(analysis, TreeAnalysis):
         return np.array(analysis.state)
     end = analysis.integration.z.size - analysis.works - 1
     return np.array(analysis.integration.z[:end])

@@ -56,7 +56,7 @@ class LinearisedMotion(ABC):
     inverse: np.ndarray  # (n, m) generalised inverse of J, whose rows are of `gaps` as they are scaled
     axes: str
     t: float
-    duration: float  # s, of the run
+    duration: float  # s, of the run; 0 of a single row
     signals: Any  # `model.arrays.signals.Signals`
     u: np.ndarray  # (n,) speeds
     rate: np.ndarray  # (n,) their rates
@@ -114,6 +114,10 @@ class LinearisedMotion(ABC):
     @abstractmethod
     def state_with(self, change: np.ndarray) -> Any:
         """Return the state where the states of signals are changed (s,)."""
+
+    @abstractmethod
+    def mass_times(self, x: np.ndarray) -> np.ndarray:
+        """Return the mass matrix (n, n) times columns x (n, k) of speeds, at the state."""
 
     def acceleration_at(self, d: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return u' (n,) where the position is displaced by d and the speeds by w."""
@@ -267,7 +271,7 @@ class LinearisedMotion(ABC):
         rates = [
             np.max(np.abs(v) / self.scale, initial=0.0) ** (1.0 / k) for k, v in enumerate(derivatives, 1)
         ]
-        return float(1.0 / max(*rates, 1.0 / self.duration))
+        return float(1.0 / max(*rates, 1.0 / (self.duration or 1.0)))
 
     def _destination(self, A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the displacements (f,) by the accelerations, and accelerations (f,) that nothing opposes."""
@@ -288,7 +292,7 @@ class LinearisedMotion(ABC):
             return self.rate
         return self.rate - self.Z @ self.speed_rates(self.u, self.rate)
 
-    def standing_stiffness(self, stencil: tuple[tuple[float, float], tuple[float, float]]) -> np.ndarray:
+    def standing_stiffness(self, stencil: tuple[tuple[float, float], ...]) -> np.ndarray:
         """Return the derivative (f, f) of the accelerations of the coordinates held at rest."""
         derivative = np.zeros((self.dofs, self.dofs))
         for k, direction in enumerate(np.eye(self.dofs)):

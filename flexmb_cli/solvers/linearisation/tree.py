@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import AnalysisError, Fault
+from ...kernels.tree.composite_mass import set_mass
 from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.motion import derivative, parts
 from ...model.arrays.tree_elements import REPEATED
@@ -140,6 +141,13 @@ class TreeLinearised(LinearisedMotion):
         z, first = self.z.copy(), 2 * self.scale.size + 4 * self.arrays.balls
         z[first : first + change.size] += change
         return z
+
+    def mass_times(self, x: np.ndarray) -> np.ndarray:
+        """Return the mass matrix (NS, NS) times columns x (NS, k) of speeds, at the state."""
+        analysis, mass = self.analysis, np.zeros((len(x), len(x)))
+        set_mass(self.arrays, analysis.work, analysis.coordinates, self.z, mass)
+        found: np.ndarray = (np.triu(mass) + np.triu(mass, 1).T) @ x
+        return found
 
     def near(self, state: np.ndarray, t: float) -> "TreeLinearised":
         """Return the same coordinates near a state, where it closes the loops."""
