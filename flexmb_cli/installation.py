@@ -73,9 +73,9 @@ def _libraries(extra: str) -> list[str]:
 def _required_by(extra: str, required: Sequence[str]) -> list[str]:
     marked = re.compile(rf"(.*?)\s*;.*\bextra == ['\"]{re.escape(extra)}['\"].*")
     own = [match[1] for line in required if (match := marked.fullmatch(line))]
-    found: list[str] = []
+    names: list[str] = []
     for library in own:
         nested = re.fullmatch(rf"{DISTRIBUTION}\[(.*)\]", library)
         extras = nested[1].split(",") if nested else []
-        found += [name for one in extras for name in _required_by(one.strip(), required)] or [library]
-    return found
+        names += [name for one in extras for name in _required_by(one.strip(), required)] or [library]
+    return names

@@ -47,10 +47,10 @@ def open_managed(path: str, flags: int, shown: str = "", folder: int | None = No
 def refuse_unsafe(path: str, shown: str = "", folder: int | None = None) -> None:
     """Raise UnsafePlace where `path` exists and is no regular file with a single name."""
     try:
-        found = os.stat(path, dir_fd=folder, follow_symlinks=False)
+        status = os.stat(path, dir_fd=folder, follow_symlinks=False)
     except OSError:
         return
-    _refuse(found, shown or path)
+    _refuse(status, shown or path)
 
 
 def _refuse(found: Any, shown: str) -> None:

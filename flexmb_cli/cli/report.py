@@ -177,8 +177,8 @@ def _write_film(notices: Notices, target: Any, page: Any, looks: Any, bodies: "B
 def _film_look(looks: dict[str, Any], bodies: "BodyLook", form: str) -> "FilmLook":
     from ..results.figures.film import MOST_OF_GIFS, FilmLook
 
-    found = re.fullmatch(r"([0-9]{2,4})x([0-9]{2,4})", looks["size"])
-    width, height = map(int, found.groups()) if found else (0, 0)
+    match = re.fullmatch(r"([0-9]{2,4})x([0-9]{2,4})", looks["size"])
+    width, height = map(int, match.groups()) if match else (0, 0)
     if not (64 <= width <= 4096 and 64 <= height <= 4096):
         raise WrongCall(
             f"--size {looks['size']}: two numbers from 64 to 4096 wanted, such as 960x540", id="CLI-044"

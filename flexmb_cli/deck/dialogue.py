@@ -72,10 +72,10 @@ class Form(ABC):
         if not lines:
             return
         try:
-            found = self.read(decode(_DRAFT, text_of(lines).encode()), records[-1])
+            faults_there = self.read(decode(_DRAFT, text_of(lines).encode()), records[-1])
         except FlexmbError as failure:
-            found = failure.faults
-        for fault in found:
+            faults_there = failure.faults
+        for fault in faults_there:
             if (name := name_at(lines, fault.place)) and fault.severity != "note":
                 yield name, fault
 
@@ -308,8 +308,8 @@ def from_draft(form: Form, text: str) -> Dialogue:
     Raises DeckError when the text is no draft of this dialect.
     """
     try:
-        kept = json.loads(text)
-        dialect, answers = kept[_DRAFT], kept["answers"]
+        draft = json.loads(text)
+        dialect, answers = draft[_DRAFT], draft["answers"]
         good = all(isinstance(v, str) for v in answers.values())
     except (ValueError, TypeError, KeyError, AttributeError):
         dialect, good = "", False

@@ -57,9 +57,9 @@ def fortran_format(text: str) -> Format:
     """The FORMAT written as `text`, a list such as "I5,3F10.5"."""
     edits, column = [], 1
     for part in text.split(","):
-        found = _EDIT.fullmatch(part)
-        assert found is not None, part
-        repeat, letter, width, decimals = found.groups()
+        match = _EDIT.fullmatch(part)
+        assert match is not None, part
+        repeat, letter, width, decimals = match.groups()
         for _ in range(int(repeat or 1)):
             last = column + int(width) - 1
             edits.append(Edit(letter, int(width), int(decimals or 0), column, last))

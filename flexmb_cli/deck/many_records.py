@@ -56,10 +56,10 @@ def column(records: Sequence[Record], key: str) -> "np.ndarray":
     if in_columns is None:
         return np.array([record[key] for record in records])
     table, changed = in_columns
-    found = table.column(key)
+    values = table.column(key)
     for k, record in changed.items():
-        found[k] = record[key]
-    return found
+        values[k] = record[key]
+    return values
 
 
 def places_by(records: Sequence[Record], key: str) -> Mapping[int, "array[int]"]:
@@ -117,8 +117,8 @@ def outside(records: Sequence[Record], key: str, lowest: float, highest: float) 
 
     if _in_columns(records) is None:
         return (record for record in records if not lowest <= record[key] <= highest)
-    found = column(records, key)
-    return (records[k] for k in np.flatnonzero((found < lowest) | (found > highest)).tolist())
+    values = column(records, key)
+    return (records[k] for k in np.flatnonzero((values < lowest) | (values > highest)).tolist())
 
 
 def _in_columns(records: Sequence[Record]) -> tuple[NumberTable, Mapping[int, Record]] | None:
@@ -149,10 +149,10 @@ class Block(Lazy):
     def numbered(self, number: int) -> Record | None:
         """Return the record of this number; those of most sections are numbered in their order."""
         neighbours = (self[k] for k in (number - 1, number) if 0 <= k < self.size)
-        found = next((record for record in neighbours if record.number == number), None)
-        if found is None and number in self._places:
-            found = self[self._places[number]]
-        return found
+        nearest = next((record for record in neighbours if record.number == number), None)
+        if nearest is None and number in self._places:
+            nearest = self[self._places[number]]
+        return nearest
 
     @cached_property
     def _places(self) -> dict[int, int]:
@@ -191,10 +191,10 @@ def blocks_of(records: Sequence[Record]) -> list[Block]:
     """Return the blocks of records that are kept, or of many ones."""
     if isinstance(records, ManyRecords):
         return list(records.blocks)
-    found: dict[str, list[Record]] = {}
+    groups: dict[str, list[Record]] = {}
     for record in records:
-        found.setdefault(record.section, []).append(record)
-    return [Block(section, len(group), group.__getitem__) for section, group in found.items()]
+        groups.setdefault(record.section, []).append(record)
+    return [Block(section, len(group), group.__getitem__) for section, group in groups.items()]
 
 
 class DeckValues:
@@ -218,8 +218,8 @@ class DeckValues:
     def record(self, section: str, number: int = 0) -> Record | None:
         """One record, None when its card is not given."""
         if self.many:
-            found = self.deck.section(section)
-            return cast("Block", found).numbered(number) if found else None
+            block = self.deck.section(section)
+            return cast("Block", block).numbered(number) if block else None
         return self._records.get(section, {}).get(number)
 
     def of_body(self, section: str, body: int) -> Sequence[Record]:

@@ -69,10 +69,10 @@ def real(word: str) -> tuple[float, str]:
     if len(word) > LONGEST_NUMBER:
         raise Misspelt(f"must be a number; read {shown(word)}, {len(word)} characters long")
     bare = _BARE_EXPONENT.fullmatch(word)
-    found = bare or _REAL.fullmatch(word)
-    if found is None:
+    match = bare or _REAL.fullmatch(word)
+    if match is None:
         raise Misspelt(f"must be a number; read {shown(word)}{hint(word)}")
-    mantissa, exponent = found.groups()
+    mantissa, exponent = match.groups()
     value = _double(word, mantissa, exponent)
     return value, f"{shown(word)} is taken for {value:.6g}; write the exponent with e" if bare else ""
 
@@ -110,15 +110,15 @@ def shown(word: str) -> str:
 
 def hint(word: str) -> str:
     """Return what is wrong with the spelling of a number, and the remedy, behind a colon; "" if unknown."""
-    if found := unit_hint(word):
-        return f": {found}"
+    if remedy := unit_hint(word):
+        return f": {remedy}"
     return next((f": {hint}" for pattern, hint in _HINTS if pattern.search(word)), "")
 
 
 def unit_hint(word: str) -> str:
     """Return how to write a word that is a number with a unit behind it; "" where it is not."""
-    found = _WITH_UNIT.fullmatch(word)
-    return _without_unit(*found.groups()) if found else ""
+    match = _WITH_UNIT.fullmatch(word)
+    return _without_unit(*match.groups()) if match else ""
 
 
 def _without_unit(number: str, unit: str) -> str:

@@ -42,10 +42,10 @@ class NumberList(Lazy):
         if k in self.changed:
             return self.changed[k]
         line, field = divmod(k, len(self.fmt.edits))
-        found = cut(self.lines[self.first + line - 1], self.fmt.edits[field])
-        place = Place(self.first + line, found.column, len(found.spelled) or 1)
+        field_text = cut(self.lines[self.first + line - 1], self.fmt.edits[field])
+        place = Place(self.first + line, field_text.column, len(field_text.spelled) or 1)
         key, meaning, unit = self.labelled(k)
-        return Number(key, self.values[k], meaning, unit, place, found.spelled)
+        return Number(key, self.values[k], meaning, unit, place, field_text.spelled)
 
 
 class _Positions(Mapping[str, int]):

@@ -105,8 +105,8 @@ class Entry:
         """Ranges of cells that are requested together: the components of one vector, or a single cell."""
         indices, ranges = range(len(self.cells)), []
         # A cell without components belongs to nobody: its own index keeps it apart.
-        for _, found in groupby(indices, key=lambda i: (self.cells[i].pattern or i, self.cells[i].unit)):
-            group = list(found)
+        for _, members in groupby(indices, key=lambda i: (self.cells[i].pattern or i, self.cells[i].unit)):
+            group = list(members)
             ranges.append((group[0], group[-1] + 1))
         return ranges
 

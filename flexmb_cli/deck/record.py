@@ -32,7 +32,7 @@ class Lines(Sequence[str]):
         self.text, self.located = text, located
         self.starts = array("i", [0])
         self._pieces: dict[int, list[str]] = {}
-        self.starts.extend(found.end() for found in _LINE_END.finditer(text))
+        self.starts.extend(match.end() for match in _LINE_END.finditer(text))
 
     def __reduce__(self) -> tuple[type, tuple[Any, ...]]:
         return Lines, (self.text, self.located)

@@ -34,10 +34,10 @@ def model_starts(lines: Iterable[str]) -> list[int]:
 
 def named_model(deck: str) -> tuple[str, int]:
     """Return the path and the model that `k:PATH` names; 0 where `deck` is a path."""
-    found = _NAMED.fullmatch(deck)
-    if found is None or os.path.exists(deck):
+    match = _NAMED.fullmatch(deck)
+    if match is None or os.path.exists(deck):
         return deck, 0
-    return found[2], int(found[1])
+    return match[2], int(match[1])
 
 
 def models_of(deck: str) -> list[str]:
@@ -81,17 +81,17 @@ def changes_of(changes: tuple[str, ...], source: DeckText, model: int) -> list[s
     Raises DeckError for a setting of a model that the deck lacks.
     """
     named = [(change, _NAMED.fullmatch(change)) for change in changes]
-    if not any(found for _, found in named):
+    if not any(match for _, match in named):
         return list(changes)
     refuse_strange(changes, max(1, len(model_starts(Lines(source.text)))))
     own = max(model, 1)
-    return [found[2] if found else change for change, found in named if not found or int(found[1]) == own]
+    return [match[2] if match else change for change, match in named if not match or int(match[1]) == own]
 
 
 def refuse_strange(changes: tuple[str, ...], count: int) -> None:
     """Raise DeckError for settings of a model beyond the `count` that a deck holds."""
-    found = [(change, _NAMED.fullmatch(change)) for change in changes]
-    strange = [change for change, named in found if named and int(named[1]) > count]
+    matches = [(change, _NAMED.fullmatch(change)) for change in changes]
+    strange = [change for change, named in matches if named and int(named[1]) > count]
     if strange:
         holds = "one model" if count == 1 else f"{count} models"
         raise DeckError(

@@ -32,8 +32,8 @@ def slips(
     if lost := _lost_line(held, needed):
         first, last = lost
         names = _one_of([subject for subject, _ in records[first : last + 1]])
-        found = _warning(_extents(read_words), *lines[last], *records[last])
-        return (replace(found, message=f"{found.message}: the line of {names} seems to be missing"),)
+        slip = _warning(_extents(read_words), *lines[last], *records[last])
+        return (replace(slip, message=f"{slip.message}: the line of {names} seems to be missing"),)
     slipped = _walk(held, needed, kept_per_slip)
     if not slipped:
         return ()
@@ -85,7 +85,7 @@ def _one_of(subjects: list[str]) -> str:
 
 def _walk(held: list[int], needed: list[int], kept_per_slip: int) -> list[tuple[int, int]]:
     """Pairs (line, record) that fit neither alone nor together with their neighbours, none when in doubt."""
-    line = record = kept = 0
+    line = record = fitting = 0
     slipped: list[tuple[int, int]] = []
     unconfirmed: list[tuple[int, int]] = []
     while line < len(held) and record < len(needed):
@@ -93,21 +93,21 @@ def _walk(held: list[int], needed: list[int], kept_per_slip: int) -> list[tuple[
         if lines:
             slipped += unconfirmed
             unconfirmed = []
-            kept += lines == records == 1
+            fitting += lines == records == 1
         else:
             unconfirmed.append((line, record))
             lines = records = 1
         line, record = line + lines, record + records
-    return slipped if kept_per_slip * len(slipped + unconfirmed) <= kept else []
+    return slipped if kept_per_slip * len(slipped + unconfirmed) <= fitting else []
 
 
 def _step(held: list[int], needed: list[int], line: int, record: int) -> tuple[int, int]:
     """Return the numbers of lines and records that go together from here; 0, 0 if none do."""
-    here, wanted = held[line], needed[record]
-    if here == wanted or (here > wanted and record == len(needed) - 1):
+    here, need = held[line], needed[record]
+    if here == need or (here > need and record == len(needed) - 1):
         return 1, 1
-    if here < wanted:
-        lines = _reach(held, line, wanted)
+    if here < need:
+        lines = _reach(held, line, need)
         return (lines, 1) if lines else (0, 0)
     records = _reach(needed, record, here)
     return (1, records) if records else (0, 0)

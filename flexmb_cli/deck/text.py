@@ -48,8 +48,8 @@ def _nearest(name: str, names: Iterable[str]) -> str:
     from difflib import get_close_matches
 
     by_letters = {other.lower(): other for other in names}
-    found = get_close_matches(name.lower(), by_letters, n=1, cutoff=0.8)
-    return by_letters[found[0]] if found else ""
+    nearest = get_close_matches(name.lower(), by_letters, n=1, cutoff=0.8)
+    return by_letters[nearest[0]] if nearest else ""
 
 
 _PIECE = 2**20  # bytes
@@ -62,11 +62,11 @@ def first_bytes(stream: BinaryIO, most: int) -> bytes:
     """
     expected = size_of(stream)
     pieces = [stream.read(min(expected + 1, most))]
-    found = len(pieces[0])
+    size = len(pieces[0])
     # A pipe or a device has no size, and a file may have grown.
-    while expected < found < most and (piece := stream.read(min(_PIECE, most - found))):
+    while expected < size < most and (piece := stream.read(min(_PIECE, most - size))):
         pieces.append(piece)
-        found += len(piece)
+        size += len(piece)
     return b"".join(pieces)
 
 
@@ -107,11 +107,11 @@ def decode(name: str, raw: bytes, what: str = "deck") -> DeckText:
 
 def _file_bytes(path: Path, what: str) -> bytes:
     try:
-        found = path.stat()
-        if stat.S_ISDIR(found.st_mode):
+        status = path.stat()
+        if stat.S_ISDIR(status.st_mode):
             remedy = f"; give the files in it, such as {path}/*" if what == "deck" else ""
             raise _unreadable(f"is a directory, not a {what}{remedy}", id="DECK-051")
-        if found.st_size > LARGEST_DECK:
+        if status.st_size > LARGEST_DECK:
             raise _too_large(what)
         with path.open("rb") as stream:
             return _first_bytes(stream, what)

@@ -36,9 +36,9 @@ def toml_table(source: DeckText) -> dict[str, Any]:
         return tomllib.loads(source.text.replace("\r\n", "\n"))
     except (ValueError, RecursionError) as fault:
         # tomllib leaves integers of thousands of digits to int(), which refuses them without a place.
-        found = _SYNTAX.match(str(fault))
-        place = Place(int(found[2]), int(found[3])) if found else None
-        raise TomlError(found[1] if found else str(fault), place) from None
+        match = _SYNTAX.match(str(fault))
+        place = Place(int(match[2]), int(match[3])) if match else None
+        raise TomlError(match[1] if match else str(fault), place) from None
 
 
 def toml_text(table: Mapping[str, Any]) -> str:

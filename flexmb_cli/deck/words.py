@@ -102,8 +102,8 @@ def _is_word(found: str) -> bool:
 
 def _offsets(text: str, start: int) -> Iterator[int]:
     """Return where the words of `text` begin, and a comment without end."""
-    for found in _WORD_OR_COMMENT.finditer(text, start):
-        first, end = found.span()
+    for match in _WORD_OR_COMMENT.finditer(text, start):
+        first, end = match.span()
         if text[first] != "{" or end == first + 1 or text[end - 1] != "}":
             yield first
 

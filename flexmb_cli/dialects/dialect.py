@@ -91,8 +91,8 @@ class Dialect(NamedTuple):
 
     def listings(self, name: str, text: str, references: Sequence[str]) -> "Iterator[Listing]":
         """Yield what the readers named by `references` make of a file."""
-        found = (self.part(reference)(name, text) for reference in references)
-        return (listing for listing in found if listing is not None)
+        outcomes = (self.part(reference)(name, text) for reference in references)
+        return (listing for listing in outcomes if listing is not None)
 
     def relabelled(self, record: Record, key: str) -> Record:
         """Return a record whose number `key` has been changed, with the meanings that the others now have."""

@@ -31,8 +31,8 @@ def hint(name: str, deck: Deck) -> str:
         if not spelled:
             clauses.append(_fields((same or cards)[0]))
     elif len(field) > 1 or not field:
-        found = _spelled(field or section, records)
-        clauses += _near(sorted(found, key=lambda known: f".{number}." not in known))
+        names = _spelled(field or section, records)
+        clauses += _near(sorted(names, key=lambda known: f".{number}." not in known))
     return "; ".join([*clauses, ALL])
 
 

@@ -12,15 +12,15 @@ SAME_SHARE = 1e-6  # of a share: others as near to it are equal to it
 def by_size(size: np.ndarray) -> list[int]:
     """Return the places of `size` (n,), largest first, those equal but for round-off as they stand."""
     order = np.argsort(-size, kind="stable").tolist()
-    found, first = [], 0
+    places, first = [], 0
     while first < len(order):
         last, least = first, (1.0 - SAME_SHARE) * size[order[first]]
         while last < len(order) and size[order[last]] >= least:
             last += 1
         last = max(last, first + 1)  # nan is equal to nothing
-        found += sorted(order[first:last])
+        places += sorted(order[first:last])
         first = last
-    return found
+    return places
 
 
 def first_of_largest(size: np.ndarray) -> int:

@@ -135,8 +135,8 @@ class BodyStress:
     @property
     def text(self) -> str:
         """Return the formulation in words, and what the matrices are made of."""
-        made = f"; M and K made of {self.assembled}" if self.assembled else ""
-        return f"{len(self.numbers)} elements, {self.formulation}{made}"
+        origin = f"; M and K made of {self.assembled}" if self.assembled else ""
+        return f"{len(self.numbers)} elements, {self.formulation}{origin}"
 
 
 @dataclass(frozen=True)
@@ -191,10 +191,10 @@ class FlexibleBody:
         return self.Phi[3 * row : 3 * row + 3]
 
     def _row(self, node: int) -> int:
-        found = np.flatnonzero(self.numbers == node)
-        if not found.size:
+        rows = np.flatnonzero(self.numbers == node)
+        if not rows.size:
             raise KeyError(node)
-        return int(found[0])
+        return int(rows[0])
 
     @property
     def centre(self) -> np.ndarray:

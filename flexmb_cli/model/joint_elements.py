@@ -175,10 +175,9 @@ class Curve:
         rest = s - whole * span
         width = span / ARC_PANELS
         panel = np.clip(np.floor((rest - self.begin) / width), 0, ARC_PANELS - 1).astype(int)
-        found: np.ndarray = (
+        return (
             whole * self._table[-1] + self._table[panel] + self._integrals(self.begin + panel * width, rest)
         )
-        return found
 
     @property
     def length(self) -> float:
@@ -194,8 +193,8 @@ class Curve:
 
 def first_outside(curves: Sequence[Curve], lengths: np.ndarray) -> tuple[int, Curve | None]:
     """Return the first row of arc lengths (T, curves) that leaves a curve, and that curve; T and None."""
-    found = [(curve.first_outside(s), k) for k, (curve, s) in enumerate(zip(curves, lengths.T, strict=True))]
-    row, k = min(found, default=(len(lengths), -1))
+    ends = [(curve.first_outside(s), k) for k, (curve, s) in enumerate(zip(curves, lengths.T, strict=True))]
+    row, k = min(ends, default=(len(lengths), -1))
     return row, None if row == len(lengths) else curves[k]
 
 

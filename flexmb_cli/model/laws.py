@@ -442,13 +442,13 @@ class Element:
 
     def numbers(self, number: Callable[[Any], int]) -> tuple[Any, ...]:
         """Return the values one after the other, functions by their `number`, 0 for none."""
-        found: list[Any] = []
+        numbers: list[Any] = []
         for p, value in zip(self.law.parameters, self.values, strict=True):
             if p.kind in FUNCTIONS:
-                found.append(number(value) if value else 0)
+                numbers.append(number(value) if value else 0)
             else:
-                found += value if p.kind == VECTOR else [value]
-        return tuple(found)
+                numbers += value if p.kind == VECTOR else [value]
+        return tuple(numbers)
 
     def changed(self, change: Callable[[Parameter, Any], Any]) -> tuple[Any, ...]:
         """Return what `change` makes of each parameter and its value."""

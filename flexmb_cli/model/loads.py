@@ -96,7 +96,7 @@ class DynamicModel:
 
 def holders(mechanism: Mechanism) -> list[tuple[str, int]]:
     """Names and bodies of the holding forces; a distance constraint holds two bodies."""
-    found = [(item.name, item.body) for item in mechanism.simplified]
+    pairs = [(item.name, item.body) for item in mechanism.simplified]
     for item in mechanism.distances:
-        found += [(f"{item.name}, body I", item.i), (f"{item.name}, body J", item.j)]
-    return found + [(item.name, item.body) for item in mechanism.grounds]
+        pairs += [(f"{item.name}, body I", item.i), (f"{item.name}, body J", item.j)]
+    return pairs + [(item.name, item.body) for item in mechanism.grounds]

@@ -117,14 +117,14 @@ def smooth_step(t0: float, v0: float, t1: float, v1: float) -> Pieces:
 
 def integral(pieces: Pieces, start: float) -> Pieces:
     """The antiderivative that is 0 at `start`."""
-    found, constant = [], 0.0
+    integrals, constant = [], 0.0
     for k, piece in enumerate(pieces):
-        found.append((piece[0], constant, *(c / n for n, c in enumerate(piece[1:], 1))))
+        integrals.append((piece[0], constant, *(c / n for n, c in enumerate(piece[1:], 1))))
         if k + 1 < len(pieces):
             x = pieces[k + 1][0] - piece[0]
-            constant = sum(c * x**n for n, c in enumerate(found[-1][1:]))
-    offset = value_and_rates(tuple(found), start)[0]
-    return tuple((piece[0], piece[1] - offset, *piece[2:]) for piece in found)
+            constant = sum(c * x**n for n, c in enumerate(integrals[-1][1:]))
+    offset = value_and_rates(tuple(integrals), start)[0]
+    return tuple((piece[0], piece[1] - offset, *piece[2:]) for piece in integrals)
 
 
 def continuous_rates(pieces: Pieces) -> int:

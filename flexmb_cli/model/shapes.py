@@ -65,15 +65,15 @@ class Shape:
 
 def fault_of_sizes(kind: str, sizes: Vector) -> tuple[int, str] | None:
     """Return which of the sizes a b c (m) is wrong, from 0, and the rule that it breaks; None: none is."""
-    wanted = SIZES[kind]
+    names_of_sizes = SIZES[kind]
     for k, size in enumerate(sizes):
-        if k >= len(wanted):
+        if k >= len(names_of_sizes):
             if size:
-                return k, f"is not read: a {kind} has {len(wanted)} sizes; leave the field empty"
+                return k, f"is not read: a {kind} has {len(names_of_sizes)} sizes; leave the field empty"
         elif not (size > 0 or (kind == CONE and k == 2 and size == 0)):
-            return k, f"must be above zero: {wanted[k]}"
+            return k, f"must be above zero: {names_of_sizes[k]}"
         elif size > LARGEST_LENGTH:
-            return k, f"must be at most {LARGEST_LENGTH:g} m: {wanted[k]}"
+            return k, f"must be at most {LARGEST_LENGTH:g} m: {names_of_sizes[k]}"
     if kind == TUBE and sizes[2] >= sizes[0]:
         return 2, f"must be below the outer radius {sizes[0]:g}: inner radius"
     return None

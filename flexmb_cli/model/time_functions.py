@@ -169,12 +169,12 @@ def values_at(function: MotionFunction, t: np.ndarray) -> np.ndarray:
     c = np.zeros((len(starts), max(map(len, function.pieces)) - 1))
     for row, piece in zip(c, function.pieces, strict=True):
         row[: len(piece) - 1] = piece[1:]
-    x, found = t - starts[k], np.zeros((3, len(t)))
+    x, values = t - starts[k], np.zeros((3, len(t)))
     for column in c.T[::-1]:
-        found[2] = found[2] * x + 2.0 * found[1]
-        found[1] = found[1] * x + found[0]
-        found[0] = found[0] * x + column[k]
-    return found
+        values[2] = values[2] * x + 2.0 * values[1]
+        values[1] = values[1] * x + values[0]
+        values[0] = values[0] * x + column[k]
+    return values
 
 
 def piecewise(pieces: Pieces) -> MotionFunction:

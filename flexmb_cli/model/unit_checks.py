@@ -232,18 +232,18 @@ def _of_young(model: "DynamicModel") -> Iterable[Extent]:
         for body, point in ((joint.i, joint.P_i), (joint.j, joint.P_j)):
             if body not in held:
                 joined.setdefault(body, []).append(point)
-    found = []
+    extents = []
     for k, item in enumerate(mechanism.bodies):
         if k in held:
             continue
         points, given = joined.get(k, ()), masses.get(k)
         if given is None:
-            found.append(Extent(item.name, 0.0, (0.0,) * 3, _farthest(points, (0.0, 0.0, 0.0)), item.place))
+            extents.append(Extent(item.name, 0.0, (0.0,) * 3, _farthest(points, (0.0, 0.0, 0.0)), item.place))
             continue
         xx, yy, zz, xy, yz, zx = given.inertia
         moments = _moments([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
-        found.append(Extent(item.name, given.mass, moments, _farthest(points, given.centre), given.place))
-    return found
+        extents.append(Extent(item.name, given.mass, moments, _farthest(points, given.centre), given.place))
+    return extents
 
 
 def _of_mechanism(mechanism: "FlexibleMechanism") -> Iterable[Extent]:
@@ -266,7 +266,7 @@ def _of_mechanism(mechanism: "FlexibleMechanism") -> Iterable[Extent]:
 
 def _of_tree(tree: "Tree") -> Iterable[Extent]:
     """Rigid bodies; the root of each is its own hinge."""
-    found = []
+    extents = []
     borne: dict[int, list[Any]] = {}
     for hinge in tree.hinges:
         borne.setdefault(hinge.parent, []).append(hinge.point)
@@ -276,8 +276,8 @@ def _of_tree(tree: "Tree") -> Iterable[Extent]:
         points = [(0.0, 0.0, 0.0), *borne.get(k, ())]
         moments = _moments(_about_centre(body.inertia, body.mass, body.centre))
         size = _farthest(points, body.centre)
-        found.append(Extent(body.name, body.mass, moments, size, body.place))
-    return found
+        extents.append(Extent(body.name, body.mass, moments, size, body.place))
+    return extents
 
 
 _EXTENTS: dict[str, Callable[[Any], Iterable[Extent]]] = {

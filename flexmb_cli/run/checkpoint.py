@@ -71,15 +71,15 @@ def names_of(entry: bytes) -> Any:
 
 def arrays_of(entry: bytes, names: tuple[str, ...] | None = None) -> Any:
     """The arrays of an entry, or those of them that are called `names`."""
-    found, start = {}, entry.index(b"\n") + 1
+    arrays, start = {}, entry.index(b"\n") + 1
     for name, kind, shape in _described(entry):
         count = math.prod(shape)
         array = np.frombuffer(entry, kind, count, start) if count else np.empty(0, kind)
         array = array.reshape(shape)
         start += array.nbytes
         if names is None or name in names:
-            found[name] = array.copy()
-    return found
+            arrays[name] = array.copy()
+    return arrays
 
 
 def _with_tuples(described: Sequence[Sequence[str]] | str) -> Any:
@@ -277,9 +277,9 @@ class ResumeFile:
             raise ModelError([Fault("error", message, id="RUN-069")]) from found
 
     def _open(self) -> None:
-        found, self._file = self._file is not None, self._file or self._opened(os.O_RDWR | os.O_CREAT)
+        is_open, self._file = self._file is not None, self._file or self._opened(os.O_RDWR | os.O_CREAT)
         self._file.seek(0)
-        self._refuse_what_stands_there(found)
+        self._refuse_what_stands_there(is_open)
         self._file.truncate(self._end)
         self._file.seek(self._end)
         if not self._end:
@@ -311,13 +311,13 @@ class ResumeFile:
 
     def _check_identity(self, head: bytes) -> None:
         try:
-            found = dict(json.loads(head))
+            stored = dict(json.loads(head))
         except (ValueError, TypeError, RecursionError) as fault:
             message = f"--resume: {self.path} is not the file of a stopped run; remove it"
             raise ModelError([Fault("error", message, id="RUN-008")]) from fault
-        other = [name for name in self.identity if found.get(name) != self.identity[name]]
+        other = [name for name in self.identity if stored.get(name) != self.identity[name]]
         if other:
-            raise ModelError([Fault("error", self._refusal(found, other), id="RUN-009")])
+            raise ModelError([Fault("error", self._refusal(stored, other), id="RUN-009")])
 
     def _refusal(self, found: Any, names: Any) -> Any:
         changes = "; ".join(

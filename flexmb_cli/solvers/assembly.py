@@ -144,7 +144,7 @@ class Sized:
                 return rows[:, None] * J * columns
             return J.multiply(rows[:, None]).multiply(columns).tocsr()
 
-        found: np.ndarray = least_squares(
+        return least_squares(
             lambda x: rows * self.equations.residual(x, t, expected),
             jacobian,
             q,
@@ -152,7 +152,6 @@ class Sized:
             damping,
             self.met,
         )[0]
-        return found
 
     def aside(self, q: np.ndarray, trial: int) -> np.ndarray:
         """Return q with its bodies moved at random."""

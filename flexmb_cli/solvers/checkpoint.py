@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
 def arrays_in(**records: Any) -> dict[str, np.ndarray]:
     """Return the arrays of named tuples, and of those in them, by their paths; a shared one once."""
-    found, seen = {}, set()
+    arrays, seen = {}, set()
     for path, array in (pair for name, record in records.items() for pair in _walk(record, name)):
         if id(array) not in seen:
             seen.add(id(array))
-            found[path] = array
-    return found
+            arrays[path] = array
+    return arrays
 
 
 class OtherRun(ValueError):

@@ -97,13 +97,15 @@ def provide_unit(unit: str) -> None:
     from ..kernels._entry import Unit
     from ..kernels._library import target
 
-    folder, made = _cache.folder_to_write(), Unit(unit)
+    folder, kernels = _cache.folder_to_write(), Unit(unit)
     if folder is None:
         raise OutputError(NO_FOLDER, id="SOLVE-001")
-    with _cache.alone(folder, made.name):
-        if _cache.content(made.name, folder) is None:  # another process was not quicker
-            _cache.keep(folder, made.name, _cache.content(made.name) or made.emit([target()])[target()])
-    if _cache.content(made.name, folder) is None:
+    with _cache.alone(folder, kernels.name):
+        if _cache.content(kernels.name, folder) is None:  # another process was not quicker
+            _cache.keep(
+                folder, kernels.name, _cache.content(kernels.name) or kernels.emit([target()])[target()]
+            )
+    if _cache.content(kernels.name, folder) is None:
         raise OutputError(f"{folder}: compiled kernels cannot be written", id="SOLVE-002")
 
 

@@ -74,8 +74,8 @@ class Instant:
 
 def largest(gap: np.ndarray) -> float:
     """Return the largest magnitude of gaps (m,), 0 of nothing, infinity where one is no number."""
-    found = float(np.max(np.abs(gap), initial=0.0))
-    return np.inf if np.isnan(found) else found
+    size = float(np.max(np.abs(gap), initial=0.0))
+    return np.inf if np.isnan(size) else size
 
 
 def whole(instant: Instant, q: np.ndarray, gap: np.ndarray, step: np.ndarray) -> Position | None:
@@ -85,8 +85,8 @@ def whole(instant: Instant, q: np.ndarray, gap: np.ndarray, step: np.ndarray) ->
 
 def improving(instant: Instant, q: np.ndarray, gap: np.ndarray, step: np.ndarray) -> Position | None:
     """Return the same as `whole`, (q, gap), None if the largest gap does not get smaller."""
-    found = instant.after(q, step)
-    return found if largest(found[1]) < largest(gap) else None
+    after = instant.after(q, step)
+    return after if largest(after[1]) < largest(gap) else None
 
 
 def shortened(instant: Instant, q: np.ndarray, gap: np.ndarray, step: np.ndarray) -> Position | None:
@@ -94,9 +94,9 @@ def shortened(instant: Instant, q: np.ndarray, gap: np.ndarray, step: np.ndarray
     size = np.linalg.norm(gap)
     factor = min(1.0, LARGEST_STEP / max(largest(step), 1e-300))
     for _ in range(HALVINGS):
-        found = instant.after(q, factor * step)
-        if np.linalg.norm(found[1]) < size:
-            return found
+        after = instant.after(q, factor * step)
+        if np.linalg.norm(after[1]) < size:
+            return after
         factor *= 0.5
     return None
 
@@ -118,10 +118,10 @@ def project(
         if not corrections.met < largest(gap) < corrections.hopeless:
             break
         step = _least_step(instant.equations.jacobian(q), gap, corrections.dependent, columns)
-        found = advance(instant, q, gap, step)
-        if found is None:
+        after = advance(instant, q, gap, step)
+        if after is None:
             break
-        q, gap = found
+        q, gap = after
     return q, gap
 
 

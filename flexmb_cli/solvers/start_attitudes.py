@@ -46,7 +46,7 @@ class StartAttitude:
 
 def start_attitudes(mechanism: FlexibleMechanism) -> list[StartAttitude]:
     """Return those of fixed joints, and of bodies whose three rotations are prescribed."""
-    found = [
+    starts = [
         StartAttitude(
             joint.name, joint.place, joint.a[0].body, joint.b[0].body, triad(joint.a), triad(joint.b), (k,)
         )
@@ -64,8 +64,8 @@ def start_attitudes(mechanism: FlexibleMechanism) -> list[StartAttitude]:
             motion, own = by_axis[spin][1], node_axes(mechanism.bodies[body]).T
             half, groups = motion.function.at(0.0)[0] / 2, tuple(k for k, _ in by_axis.values())
             turned = rotation_matrix((math.cos(half), *(math.sin(half) * np.eye(3)[spin])))
-            found.append(StartAttitude(motion.name, motion.place, GROUND, body, turned, own, groups))
-    return found
+            starts.append(StartAttitude(motion.name, motion.place, GROUND, body, turned, own, groups))
+    return starts
 
 
 def triad(points: tuple[NodePoint, ...]) -> np.ndarray:
@@ -88,9 +88,9 @@ class AttitudeGaps:
 
     def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
         """Return the scaled residual (m,) at q, then rotation vectors, rad, global axes."""
-        found = self.gaps.residual(q, t, expected)
-        found[self.replaced] = 0.0
-        return np.concatenate([found, *(rotation_between(q, item) for item in self.attitudes)])
+        gaps = self.gaps.residual(q, t, expected)
+        gaps[self.replaced] = 0.0
+        return np.concatenate([gaps, *(rotation_between(q, item) for item in self.attitudes)])
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
         """Return the scaled Jacobian on speeds; of rotation vectors its first order near 0."""

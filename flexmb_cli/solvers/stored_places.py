@@ -30,14 +30,14 @@ def clock_fits(stored: Any, own: Any, components: int, equations: int) -> bool:
 
 def works_in(records: Mapping[str, Any]) -> dict[str, Work]:
     """Return the `Work` of named tuples, and of those in them, by their paths."""
-    found: dict[str, Work] = {}
+    works: dict[str, Work] = {}
     for path, record in records.items():
         if isinstance(record, Work):
-            found[path] = record
+            works[path] = record
         elif hasattr(record, "_asdict"):
             parts = {f"{path}/{name}": part for name, part in record._asdict().items()}
-            found |= works_in(parts)
-    return found
+            works |= works_in(parts)
+    return works
 
 
 def misplaced(work: Work) -> str:

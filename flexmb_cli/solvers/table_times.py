@@ -9,12 +9,12 @@ JUMP_WITHIN = 1e-6  # of a time: points of a table nearer to each other may be t
 
 def times_between(times: Iterable[float], start: float, end: float) -> list[float]:
     """Return the times inside (start, end), s, those that are as good as one once."""
-    apart, found = SAME_TIME_IN_RUN * max(abs(start), abs(end)), [start]
+    apart, times_there = SAME_TIME_IN_RUN * max(abs(start), abs(end)), [start]
     for t in sorted(set(times)):
         # A step between two numbers for one time would be shorter than any can be.
-        if found[-1] + apart < t < end - apart:
-            found.append(t)
-    return found[1:]
+        if times_there[-1] + apart < t < end - apart:
+            times_there.append(t)
+    return times_there[1:]
 
 
 def jump_at(tables: Iterable[Iterable[float]], t: float) -> str:

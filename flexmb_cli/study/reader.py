@@ -93,8 +93,8 @@ def _table(source: DeckText) -> dict[Any, Any]:
 def _bare_text(source: DeckText, place: Place | None) -> str:
     """Return the remedy where the value at fault is a text without quotes, else an empty text."""
     line = source.lines[place.line - 1] if place and place.line <= len(source.lines) else ""
-    found = re.fullmatch(r"\s*([^=#]{1,80}?)\s*=\s*([A-Za-z][^\"'\[{#]{0,200}?)\s*(#.*)?", line)
-    return f'; texts stand in quotes: {found[1]} = "{found[2]}"' if found else ""
+    match = re.fullmatch(r"\s*([^=#]{1,80}?)\s*=\s*([A-Za-z][^\"'\[{#]{0,200}?)\s*(#.*)?", line)
+    return f'; texts stand in quotes: {match[1]} = "{match[2]}"' if match else ""
 
 
 def _refuse_deck(source: DeckText) -> None:

@@ -75,8 +75,8 @@ class _Writer:
     def line(self, number: int, text: str, code: str, aligned: bool) -> str:
         """Return a line with values in the places of its variables."""
         written, end = "", 0
-        for found in _uses(code):
-            start, stop, inside = found
+        for use in _uses(code):
+            start, stop, inside = use
             if start < end:
                 continue
             written += text[end:start]
@@ -146,13 +146,13 @@ def _valueless(name: str, why: str, expansion: Expansion) -> Fault:
 
 def _uses(code: str) -> Iterator[tuple[int, int, str]]:
     """Yield begin and end of the variables in a line, and the formula there, "$" for a dollar."""
-    for found in _USE.finditer(code):
-        if found[0] == "$$":
-            yield found.start(), found.end(), "$"
+    for match in _USE.finditer(code):
+        if match[0] == "$$":
+            yield match.start(), match.end(), "$"
             continue
-        stop = _closing(code, found.end()) if found["open"] else found.end()
-        inside = code[found.start("open") : stop] if found["open"] else found["name"]
-        yield found.start(), stop, f"{found['sign'] or ''}{inside}"
+        stop = _closing(code, match.end()) if match["open"] else match.end()
+        inside = code[match.start("open") : stop] if match["open"] else match["name"]
+        yield match.start(), stop, f"{match['sign'] or ''}{inside}"
 
 
 def _closing(code: str, start: int) -> int:

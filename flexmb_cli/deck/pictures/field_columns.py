@@ -75,19 +75,19 @@ class Run(NamedTuple):
 
 def runs_of(parts: Iterable[Any], separated: list[bool]) -> list[bytes | Run]:
     """Return the parts of a row, texts and fields, with fields joined to runs."""
-    found: list[bytes | Run] = []
+    runs: list[bytes | Run] = []
     apart = iter(separated)
     for part in parts:
-        last = found[-1] if found else b""
+        last = runs[-1] if runs else b""
         if isinstance(part, str):
-            found.append(part.encode())
+            runs.append(part.encode())
             continue
         run = Run(part, next(apart), 1)
         if isinstance(last, Run) and (last.field, last.separated) == (run.field, run.separated):
-            found[-1] = last._replace(fields=last.fields + 1)
+            runs[-1] = last._replace(fields=last.fields + 1)
         else:
-            found.append(run)
-    return found
+            runs.append(run)
+    return runs
 
 
 def picture(runs: list[bytes | Run], values: np.ndarray) -> tuple[bytearray, np.ndarray]:

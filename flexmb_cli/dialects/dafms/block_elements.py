@@ -164,11 +164,11 @@ class _Measures(Measures):
 
 def _free(hinge: Hinge, count: str) -> str:
     """Return which coordinates a hinge has, in words."""
-    found = [
+    free_axes = [
         *(f"{count}.r{axis}" for axis in hinge.rotations),
         *(f"{count}.t{a}" for a in hinge.translations),
     ]
-    return f"free there: {', '.join(found)}" if found else "nothing is free there"
+    return f"free there: {', '.join(free_axes)}" if free_axes else "nothing is free there"
 
 
 def _start(tree: Tree, elements: JointElements) -> Any:
@@ -197,8 +197,10 @@ def _cams(tree: Tree, elements: JointElements) -> Iterator[tuple[int, int, Motio
 
 
 def _number(tree: Tree, body: int, coordinate: str) -> int:
-    wanted = body, coordinate
-    return next(m for m, c in enumerate(tree.coordinates) if (c.body, f"{c.motion} {c.axis}") == wanted)
+    coordinate_at = body, coordinate
+    return next(
+        m for m, c in enumerate(tree.coordinates) if (c.body, f"{c.motion} {c.axis}") == coordinate_at
+    )
 
 
 def _check_speeds(tree: Tree, item: Coupling, findings: Findings) -> None:

@@ -92,13 +92,13 @@ def _with_masses(bodies: tuple[Body, ...], lines: Any, folder: Path, findings: F
     from ...fe.solid_masses import about, combined, point_mass
     from ..elements_block.masses import added_masses
 
-    found = list(bodies)
+    heavier = list(bodies)
     for k, solids in added_masses(lines, [body.elastic is None for body in bodies], folder, findings).items():
         body = bodies[k]
         whole = combined([point_mass(body.mass, body.centre), *solids])
         own = sum(solid.inertia + about(solid.mass, np.array(solid.centre)) for solid in solids)
-        found[k] = replace(body, mass=whole.mass, centre=whole.centre, inertia=body.inertia + own)
-    return tuple(found)
+        heavier[k] = replace(body, mass=whole.mass, centre=whole.centre, inertia=body.inertia + own)
+    return tuple(heavier)
 
 
 def _shapes(values: DeckValues, findings: Findings) -> Any:
@@ -226,11 +226,11 @@ def _set_driven(
     findings: Findings,
 ) -> None:
     """A driven coordinate starts where its function says; Y(L) may repeat it or leave it zero."""
-    for vector, section, wanted in zip(state, ("coordinate", "speed"), (drive.C, drive.B), strict=True):
-        if vector[m] and abs(vector[m] - wanted) > 1.1e-5 + 1e-6 * abs(wanted):
-            message = f"{section} {m + 1} ({name}) is {vector[m]} in Y(L), but PRES starts it at {wanted}"
+    for vector, section, start in zip(state, ("coordinate", "speed"), (drive.C, drive.B), strict=True):
+        if vector[m] and abs(vector[m] - start) > 1.1e-5 + 1e-6 * abs(start):
+            message = f"{section} {m + 1} ({name}) is {vector[m]} in Y(L), but PRES starts it at {start}"
             findings.warn("Y(L)", message, values.place(section, m + 1), id="DAFMS-054")
-        vector[m] = wanted
+        vector[m] = start
 
 
 def _check_angles(

@@ -59,8 +59,8 @@ def _fields(record: Record) -> Line:
 
 def _rows(pieces: Iterable[tuple[str, str]], per_line: int) -> list[Line]:
     """Pieces side by side."""
-    found = list(pieces)
-    return [found[i : i + per_line] for i in range(0, len(found), per_line)]
+    fields = list(pieces)
+    return [fields[i : i + per_line] for i in range(0, len(fields), per_line)]
 
 
 def _integers(values: Iterable[int], name: str = "") -> list[Line]:

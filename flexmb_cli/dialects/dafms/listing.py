@@ -144,10 +144,7 @@ class _Page:
 
     def _stiffness(self, k: int) -> list[list[float]]:
         """Rows of the full matrix that the skyline stands for."""
-        found: list[list[float]] = full_matrix(
-            _values(self._array("counts.jdi", k)), _values(self._array("bkp", k))
-        ).tolist()
-        return found
+        return full_matrix(_values(self._array("counts.jdi", k)), _values(self._array("bkp", k))).tolist()
 
     def system(self) -> str:
         """Return what TSYSIN writes, card by card as read, unless NOPR has switched the echo off."""

@@ -123,12 +123,12 @@ def _echo_line(number: int, line: str, match: re.Match[str], faults: list[Fault]
 
 
 def _fault(number: int, line: str, start: int, tag: _Tag) -> Fault:
-    wanted = f"{len(tag.columns)} numbers are expected" if tag.columns else "numbers are expected"
+    expected = f"{len(tag.columns)} numbers are expected" if tag.columns else "numbers are expected"
     read = line[start:].strip()
     column = start + 1 + len(line[start:]) - len(line[start:].lstrip())
     return Fault(
         "error",
-        f"{wanted}, read {read!r}",
+        f"{expected}, read {read!r}",
         Place(number, column, max(1, len(read))),
         tag.name,
         id="DAFMS-042",
@@ -154,7 +154,7 @@ def parse_series(name: str, text: str) -> Listing | None:
     rows = [n for n, line in enumerate(lines) if line.strip() and not line.lstrip().startswith(_NOTES)]
     if not rows or not _FIRST_ROW.match(lines[rows[0]]):
         return None
-    found, faults, width = Rows(), [], 0
+    read_rows, faults, width = Rows(), [], 0
     times: list[float] = []
     for step, row in enumerate(rows):
         words = _series_words(lines[row], width)
@@ -166,12 +166,12 @@ def parse_series(name: str, text: str) -> Listing | None:
         else:
             width = len(words)
             times.append(value_of(words[0]))
-            found.add(row + 1, step, words[1:])
+            read_rows.add(row + 1, step, words[1:])
     if faults:
         raise TableError(name, faults, lines)
     columns = _COLUMNS.get(_unit_number(name), _UNKNOWN)[: width - 1]
     groups = tuple((kind, title) for title, kind in columns)
-    section = found.section(groups, SERIES_FIELDS[1:width])
+    section = read_rows.section(groups, SERIES_FIELDS[1:width])
     failed = len(rows) < sum(bool(line.strip()) for line in lines)
     return Listing(name, (), np.array(times), 1e-7, {"series": section}, failed, SERIES)
 

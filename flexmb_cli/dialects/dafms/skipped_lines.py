@@ -49,10 +49,10 @@ class SkippedLines:
             message = f"there is no card {shown(line.strip())}; is {BLOCK} meant?"
             self.records.report("error", "", message, place, id="DAFMS-191")
             return True
-        found = list(stray_lines([(self.records.line, line)])) if mentions_block(line) else []
-        for fault in found:
+        strays = list(stray_lines([(self.records.line, line)])) if mentions_block(line) else []
+        for fault in strays:
             self.records.report(fault.severity, "", fault.message, fault.place, id=fault.id)
-        return bool(found)
+        return bool(strays)
 
     def flush(self) -> None:
         """Note the lines gathered so far."""

@@ -20,8 +20,8 @@ def build_functions_of_time(
 
     def hinged(section: str) -> Iterator[tuple[Record, tuple[int, str, int]]]:
         """Entries that name a free axis."""
-        found = ((record, _where(record, hinges, findings)) for record in values.section(section))
-        return ((record, where) for record, where in found if where is not None)
+        pairs = ((record, _where(record, hinges, findings)) for record in values.section(section))
+        return ((record, where) for record, where in pairs if where is not None)
 
     springs = [
         spring(record.subject, _coordinate(where), stiffness, rest, place=record.place)

@@ -85,7 +85,7 @@ def statements(code: Iterator[str], first: int) -> Iterator[tuple[list[Word], in
             words = []
         if not words:
             indent = depth
-        words += [Word(found[0], n, found.start() + 1) for found in _PIECE.finditer(line)]
+        words += [Word(match[0], n, match.start() + 1) for match in _PIECE.finditer(line)]
     if words:
         yield words, n
     yield [], n

@@ -205,12 +205,12 @@ def _placed_attitude(
     body: VsdfBody, records: Sequence[Record], nodes: np.ndarray, points: np.ndarray, findings: Findings
 ) -> np.ndarray | None:
     """Rotation matrix that takes the triad of the nodes to that of the points; None with a fault found."""
-    own, wanted = _triad(nodes), _triad(points)
-    for triad, what, record in ((own, "nodes", records[2]), (wanted, "points", records[2])):
+    own, target = _triad(nodes), _triad(points)
+    for triad, what, record in ((own, "nodes", records[2]), (target, "points", records[2])):
         if triad is None:
             message = f"the three {what} that turn {body.name} lie on one line, or two of them coincide"
             findings.error(record.subject, message, record.place, id="VSDF-098")
-    if own is None or wanted is None:
+    if own is None or target is None:
         return None
     distance, given = (np.linalg.norm(places[1] - places[0]) for places in (nodes, points))
     if abs(distance - given) > FAR_FROM_NODE * distance:
@@ -219,7 +219,7 @@ def _placed_attitude(
             f"{given:.6g} m from the first one: the node lies {abs(distance - given):.3g} m beside its point"
         )
         findings.warn(records[1].subject, message, records[1].place, id="VSDF-099")
-    return wanted @ own.T
+    return target @ own.T
 
 
 def _triad(places: np.ndarray) -> np.ndarray | None:

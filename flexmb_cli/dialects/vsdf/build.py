@@ -93,11 +93,11 @@ def _with_masses(bodies: Any, lines: Any, folder: Path, findings: Findings) -> A
     from ..elements_block.masses import added_masses
 
     added = added_masses(lines, [body.flexible is None for body in bodies], folder, findings)
-    found = list(bodies)
+    heavier = list(bodies)
     for k, solids in added.items():
         own = [bodies[k].rigid] if bodies[k].rigid else []
-        found[k] = replace(bodies[k], rigid=combined([*own, *solids]))
-    return tuple(found)
+        heavier[k] = replace(bodies[k], rigid=combined([*own, *solids]))
+    return tuple(heavier)
 
 
 def _shapes(values: DeckValues, bodies: Sequence[VsdfBody], folder: Path, findings: Findings) -> Any:
@@ -256,14 +256,14 @@ def moved_pins(
     lines: Sequence[ElementLine], pins: tuple[Pin, ...], count: int, functions: Functions, findings: Findings
 ) -> tuple[Pin, ...]:
     """The pins, some of which lines SUPPORT move; `count`: pins of the deck, some of which may be faulty."""
-    found, seen = list(pins), dict[int, str]()
+    moved, seen = list(pins), dict[int, str]()
     for line in lines:
         if line.word == "SUPPORT" and (number := _pin_of(line, count, seen, findings)):
-            if len(found) == count:
+            if len(moved) == count:
                 k = number.value - 1
-                found[k] = replace(found[k], functions=_functions(line, found[k], functions, findings))
+                moved[k] = replace(moved[k], functions=_functions(line, moved[k], functions, findings))
             seen.setdefault(number.value, line.subject)
-    return tuple(found)
+    return tuple(moved)
 
 
 def _pin_of(line: ElementLine, count: int, seen: dict[int, str], findings: Findings) -> Number | None:

@@ -45,12 +45,12 @@ def values(found: re.Match[str]) -> list[float]:
 
 def numbers(card: Card, line: str, at: int) -> tuple[Number, ...] | None:
     """Return the numbers of the plain data card on line `at`, as `fields` finds them; None for others."""
-    found = matched(card, line)
+    texts = matched(card, line)
     commas = line.count(",")
-    if found is None or (commas and None in found.groups()[: commas + 1]):
+    if texts is None or (commas and None in texts.groups()[: commas + 1]):
         return None
-    read = tuple(_numbers(card, found, commas, Place(at, len(line) + 1)))
-    return read + _further(card.more, found, len(card.columns), at) if card.more else read
+    read = tuple(_numbers(card, texts, commas, Place(at, len(line) + 1)))
+    return read + _further(card.more, texts, len(card.columns), at) if card.more else read
 
 
 def _numbers(card: Card, found: re.Match[str], commas: int, end: Place) -> Iterator[Number]:
@@ -147,12 +147,12 @@ class CardReader:
             message = f"a card has at most {_MOST_FIELDS} fields; continue on a further one"
             self.error(card.word, message, Place(self.at, 1), id="VSDF-166")
             return []
-        found = fields.fields(line, columns, more)
-        wanted = [*columns, *([more] * (len(found) - len(columns)))]
-        numbers = [self._number(card, line, columns, *pair) for pair in zip(found, wanted, strict=True)]
+        texts = fields.fields(line, columns, more)
+        own_columns = [*columns, *([more] * (len(texts) - len(columns)))]
+        numbers = [self._number(card, line, columns, *pair) for pair in zip(texts, own_columns, strict=True)]
         if more is None:
             self._check_rest(card, line, columns)
-        elif len(found) == len(columns) and more.default is None:
+        elif len(texts) == len(columns) and more.default is None:
             place = Place(self.at, len(line) + 1)
             self.error(card.word, f"the card names no {more.meaning}", place, id="VSDF-167")
         return [number for number in numbers if number is not None]

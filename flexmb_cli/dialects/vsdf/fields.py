@@ -48,16 +48,16 @@ def is_free(line: str, columns: tuple[Column, ...]) -> bool:
 def fields(line: str, columns: tuple[Column, ...], more: Column | None = None) -> list[Field]:
     """The fields of `line`, as many as there are columns, and as many more as `more` finds filled."""
     if is_free(line, columns):
-        found = _cut_by_commas(line, columns)
+        texts = _cut_by_commas(line, columns)
     else:
-        found = [_cut(line, first, last) for first, last in _edges(columns)]
+        texts = [_cut(line, first, last) for first, last in _edges(columns)]
         if more:
-            found += _cut_on(line, _edges(columns)[-1][1], WIDTHS[more.letter])
+            texts += _cut_on(line, _edges(columns)[-1][1], WIDTHS[more.letter])
     if more is None:
-        return found[: len(columns)]
-    while len(found) > len(columns) and not found[-1].text:
-        found.pop()
-    return found
+        return texts[: len(columns)]
+    while len(texts) > len(columns) and not texts[-1].text:
+        texts.pop()
+    return texts
 
 
 def rest(line: str, columns: tuple[Column, ...]) -> Field:
@@ -104,10 +104,10 @@ def _numeral(field: Field, column: Column) -> tuple[float, str]:
         message = f"{column.key} in {field.span}: a tab counts as one column; use blanks or commas"
         raise Unfit(message, id="VSDF-184")
     try:
-        found, warning = read(field.text)
+        value, warning = read(field.text)
     except number.Misspelt as fault:
         raise Unfit(f"{column.key} in {field.span} {fault}", id="VSDF-081") from None
-    return found, f"{column.key}: {warning}" if warning else ""
+    return value, f"{column.key}: {warning}" if warning else ""
 
 
 def _word(field: Field, column: Column) -> tuple[str, str]:
@@ -160,15 +160,15 @@ def _cut_on(line: str, last: int, width: int) -> list[Field]:
 
 
 def _cut_by_commas(line: str, columns: tuple[Column, ...]) -> list[Field]:
-    found, first = [], 1
+    pieces, first = [], 1
     limit = len(columns) - 1 if columns[-1].letter == "T" else -1
     for index, raw in enumerate(line.split(",", limit), start=1):
         text = raw.strip()
         column = first + (len(raw) - len(raw.lstrip()) if text else 0)
-        found.append(Field(text, column, number=index))
+        pieces.append(Field(text, column, number=index))
         first += len(raw) + 1
-    missing = range(len(found) + 1, len(columns) + 1)
-    return found + [Field("", len(line) + 1, number=index) for index in missing]
+    missing = range(len(pieces) + 1, len(columns) + 1)
+    return pieces + [Field("", len(line) + 1, number=index) for index in missing]
 
 
 def with_own_keys(numbers: list[Number]) -> tuple[Number, ...]:
@@ -179,10 +179,10 @@ def with_own_keys(numbers: list[Number]) -> tuple[Number, ...]:
     named: list[Number] = []
     counts: dict[str, int] = {}
     repeated = Counter(keys)
-    for found in numbers:
-        if repeated[found.key] > 1:
-            counts[found.key] = counts.get(found.key, 0) + 1
-            key = f"{found.key}{counts[found.key]}"
-            found = Number(key, found.value, found.meaning, found.unit, found.place, found.text)
-        named.append(found)
+    for own in numbers:
+        if repeated[own.key] > 1:
+            counts[own.key] = counts.get(own.key, 0) + 1
+            key = f"{own.key}{counts[own.key]}"
+            own = Number(key, own.value, own.meaning, own.unit, own.place, own.text)
+        named.append(own)
     return tuple(named)

@@ -55,8 +55,8 @@ def stress_material(values: DeckValues, k: int, file: FEFile, findings: Findings
     if density.text and not density.value > 0:
         message = f"a density must be above zero; read {density.text}"
         findings.error(record.subject, message, density.place, id="VSDF-088")
-    found = _material(record, file, findings, float(density.value) if density.text else math.nan)
-    return found if types is None else _of_types(values, k, types, found, findings)
+    material = _material(record, file, findings, float(density.value) if density.text else math.nan)
+    return material if types is None else _of_types(values, k, types, material, findings)
 
 
 def _of_types(
@@ -243,10 +243,10 @@ def _node_lists(
     known = {**{number: (number,) for number in nodes}, **sets}
     lists = {}
     for section in _LISTS:
-        found = []
+        members = []
         for record in values.of_body(section, k):
-            found += [n for m in members_of(record, known, k, findings) for n in known[m]]
-        lists[section] = tuple(dict.fromkeys(found))
+            members += [n for m in members_of(record, known, k, findings) for n in known[m]]
+        lists[section] = tuple(dict.fromkeys(members))
     return lists
 
 

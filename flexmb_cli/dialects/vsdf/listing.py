@@ -50,14 +50,14 @@ class VsdfTable:
                 return
 
     def _constraint_lines(self) -> Iterator[str]:
-        found = self.analysis.found
-        if found is None:
+        mobility = self.analysis.found
+        if mobility is None:
             yield "  the mechanism could not be assembled"
             return
-        speeds, rank = found.coordinates, found.rank
-        yield f"  constraint equations {found.equations}, independent {rank}, speeds {speeds}"
-        known = found.smallest >= SMALLEST_PRINTED
-        smallest = f"{found.smallest:.3E}" if known else f"below {SMALLEST_PRINTED:.0E}"
+        speeds, rank = mobility.coordinates, mobility.rank
+        yield f"  constraint equations {mobility.equations}, independent {rank}, speeds {speeds}"
+        known = mobility.smallest >= SMALLEST_PRINTED
+        smallest = f"{mobility.smallest:.3E}" if known else f"below {SMALLEST_PRINTED:.0E}"
         yield f"  degrees of freedom {speeds - rank}, smallest singular value {smallest}"
 
     def rows(self, values: dict[str, np.ndarray]) -> None:

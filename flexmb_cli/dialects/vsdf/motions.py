@@ -111,10 +111,12 @@ def _target_exists(
         findings.error(record.subject, message, target.place, id="VSDF-057")
         return False
     fitting = TURNING if kind == "ANGL" else SLIDING
-    found = kinds.get(f"joint {target.value}")
-    if relative and found and found not in fitting:
+    target_kind = kinds.get(f"joint {target.value}")
+    if relative and target_kind and target_kind not in fitting:
         what = "angle" if kind == "ANGL" else "stroke"
-        message = f"joint {target.value} is {found} and has no {what}; {', '.join(fitting)} joints have one"
+        message = (
+            f"joint {target.value} is {target_kind} and has no {what}; {', '.join(fitting)} joints have one"
+        )
         findings.error(record.subject, message, target.place, id="VSDF-058")
         return False
     return True
@@ -145,8 +147,8 @@ def _function(record: Record, tables: Any, findings: Findings) -> MotionFunction
 
 def find_table(record: Record, number: Number, tables: Tables, findings: Findings) -> MotionFunction | None:
     """The table that a card names by `number`; None, and no further fault, for one that has faults."""
-    found = tables.get(int(number.value))
+    table = tables.get(int(number.value))
     if number.value not in tables:
         message = f"there is no table {number.value:g}; cards TABL give some"
         findings.error(record.subject, message, number.place, id="VSDF-062")
-    return found
+    return table

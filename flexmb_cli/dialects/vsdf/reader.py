@@ -62,8 +62,8 @@ def read_vsdf(source: DeckText) -> Deck:
 def _many(source: DeckText, reader: "_Reader", lines: Sequence[Record]) -> ManyRecords:
     title = _Reader(source)
     title._read_title()
-    found = data_cards.many_records(source, title.records[0], reader.starts, reader.rows)
-    return ManyRecords([*found.blocks, *blocks_of(lines)])
+    records = data_cards.many_records(source, title.records[0], reader.starts, reader.rows)
+    return ManyRecords([*records.blocks, *blocks_of(lines)])
 
 
 class _Reader(CardReader):
@@ -137,9 +137,9 @@ class _Reader(CardReader):
 
     def _refuse_stray(self, line: str) -> bool:
         """Refuse a line of an element outside a block."""
-        found = list(stray_lines([(self.at, line)])) if "=" in line or "FUNCTION" in line else []
-        self.faults += found
-        return bool(found)
+        strays = list(stray_lines([(self.at, line)])) if "=" in line or "FUNCTION" in line else []
+        self.faults += strays
+        return bool(strays)
 
     def _too_much(self, card: Card | None) -> str:
         """Return what the deck, read up to the data of `card`, has too much of; "" for nothing."""
@@ -250,10 +250,10 @@ class _Reader(CardReader):
 
     def _take_plain(self, card: Card, line: str) -> bool:
         """Take a card of plain numbers whose record needs no number; False for others."""
-        found = data_cards.matched(card, line) if card.section in self.rows else None
-        if found is None or card.counted != "list":
+        texts = data_cards.matched(card, line) if card.section in self.rows else None
+        if texts is None or card.counted != "list":
             return False
-        self.rows[card.section].extend(data_cards.values(found))
+        self.rows[card.section].extend(data_cards.values(texts))
         self.counts[card.section] += 1
         return True
 

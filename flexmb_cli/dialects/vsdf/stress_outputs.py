@@ -64,11 +64,11 @@ def _selection(k: int, body: VsdfBody, records: list[Record], findings: Findings
 def _nodes(record: Record, numbers: Any, body: Any, findings: Findings) -> list[int]:
     if not numbers:
         return list(body.nodes)
-    found = []
+    nodes = []
     for number in numbers:
         members = body.members(number.value)
         if not members:
             message = f"{body.name} has no node {number.value}"
             findings.error(record.subject, message, number.place, id="VSDF-093")
-        found += members
-    return found
+        nodes += members
+    return nodes

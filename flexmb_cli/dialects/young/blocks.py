@@ -77,13 +77,13 @@ def unread_lines(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator
 
 def _like_openings(lines: Lines, behind: int) -> Iterator[Any]:
     text, start = _without_comments(lines, behind)
-    for found in _LIKE_OPENING.finditer(text):
-        if _is_like_opening(found[2]):
+    for match in _LIKE_OPENING.finditer(text):
+        if _is_like_opening(match[2]):
             message = (
-                f"{shown(found[1].strip())} is read as prose; DYNAMICS inverse or DYNAMICS forward, alone on "
+                f"{shown(match[1].strip())} is read as prose; DYNAMICS inverse or DYNAMICS forward, alone on "
                 "its line, opens cards with masses and loads"
             )
-            place = Place(*lines.place_of(start + found.start(1)), len(found[1].rstrip()))
+            place = Place(*lines.place_of(start + match.start(1)), len(match[1].rstrip()))
             yield Fault("warning", message, place, id="YOUNG-019")
 
 
@@ -97,11 +97,11 @@ def _cards(lines: Lines, behind: int, keywords: Iterable[str], message: str, *, 
     text, start = _without_comments(lines, behind)
     counts: dict[str, int] = {}
     card = rf"^[ \t]*({'|'.join((*keywords, *OLD_WORDS))})[ \t]+{_NUMBER}(?:[ \t]+{_NUMBER})*[ \t]*$"
-    for found in re.finditer(card, text, re.IGNORECASE | re.MULTILINE):
-        place = Place(*lines.place_of(start + found.start(1)), len(found[1]))
-        word = found[1].upper()
+    for match in re.finditer(card, text, re.IGNORECASE | re.MULTILINE):
+        place = Place(*lines.place_of(start + match.start(1)), len(match[1]))
+        word = match[1].upper()
         if word in OLD_WORDS:
-            cards = refused("young", word, [(place, found[0].split()[1:])], counts)
+            cards = refused("young", word, [(place, match[0].split()[1:])], counts)
             yield from (replace(fault, severity="warning") for fault in cards)
         else:
             yield Fault("warning", f"{word} {message}", place, id=id)

@@ -60,20 +60,20 @@ def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
 def _parts(deck: Deck, findings: Findings) -> dict[Any, Any]:
     """The parts of the mechanism by section, in the deck's order; "joint": all joints."""
     bodies, parts = len(deck.section("body")), defaultdict(list)
-    kept = isinstance(deck.records, tuple)
+    are_plain = isinstance(deck.records, tuple)
     for record in deck.records:
-        part, faults = _kept_part(record, bodies) if kept else part_of(record, bodies)
+        part, faults = _kept_part(record, bodies) if are_plain else part_of(record, bodies)
         findings.faults += faults
-        if part is not None and (kept or record.section == "time"):
+        if part is not None and (are_plain or record.section == "time"):
             parts[record.section].append(part)
-    if kept:
+    if are_plain:
         parts["joint"] = [joint for kind in YOUNG_JOINTS for joint in parts[kind.name]]
         return {name: tuple(parts[name]) for name in (*_SECTIONS, "joint", "time")}
     # A large deck: each part, which has no fault, is made of its record again when it is looked at.
     make = partial(_part, bodies)
-    found = {name: Made(deck.section(name), make) for name in _SECTIONS}
+    by_section = {name: Made(deck.section(name), make) for name in _SECTIONS}
     joints = Chained([Made(deck.section(kind.name), make) for kind in YOUNG_JOINTS])
-    return {**found, "joint": joints, "time": tuple(parts["time"])}
+    return {**by_section, "joint": joints, "time": tuple(parts["time"])}
 
 
 def _part(bodies: int, record: Any) -> Any:

@@ -131,14 +131,14 @@ def _masses(
     from ..elements_block.masses import added_masses
 
     added = added_masses(lines, [True] * bodies, folder, findings)
-    found = {item.body: item for item in given}
+    by_body = {item.body: item for item in given}
     for body, solids in added.items():
-        item = found.get(body) or MassProperties(f"body {body + 1}", body, 0.0)
+        item = by_body.get(body) or MassProperties(f"body {body + 1}", body, 0.0)
         whole = combined([RigidMass(item.mass, item.centre, inertia_matrix(item.inertia)), *solids])
         J = whole.inertia
         elements = J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[1, 2], J[2, 0]
-        found[body] = replace(item, mass=whole.mass, centre=whole.centre, inertia=elements)
-    return tuple(found.values())
+        by_body[body] = replace(item, mass=whole.mass, centre=whole.centre, inertia=elements)
+    return tuple(by_body.values())
 
 
 def _mass(record: Record, findings: Findings) -> MassProperties:

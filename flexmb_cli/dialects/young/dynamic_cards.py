@@ -131,8 +131,8 @@ def _opening(deck: Deck, behind: int) -> int | None:
 def _lines_behind(deck: Any, last: int) -> Iterator[tuple[int, str]]:
     """Number and text of every line behind another one that names the cards."""
     lines = deck.source.lines
-    for found in NAME.finditer(lines.text, lines.start_of(last)):
-        n, column = lines.place_of(found.start())
+    for match in NAME.finditer(lines.text, lines.start_of(last)):
+        n, column = lines.place_of(match.start())
         line = lines[n - 1]
         # No other word stands before it, so it is found once a line.
         if not line[: column - 1].strip():
@@ -230,31 +230,31 @@ class _Cards:
     def _is_stray(self, word: Word) -> bool:
         """Return whether a word stands on a line of an element, outside a block, which is a fault."""
         if self.stray != word.line and "=" in self.source.lines[word.line - 1]:
-            found = list(stray_lines([(word.line, self.source.lines[word.line - 1])]))
-            self.made.faults += found
-            self.stray = word.line if found else self.stray
+            strays = list(stray_lines([(word.line, self.source.lines[word.line - 1])]))
+            self.made.faults += strays
+            self.stray = word.line if strays else self.stray
         return self.stray == word.line
 
     def _opening_record(self) -> Record:
-        found = MARKER.fullmatch(self.source.lines[self.opening - 1])
-        assert found is not None, "the line was found by this pattern"
-        self.shapes_alone = found["shapes"] is not None
+        match = MARKER.fullmatch(self.source.lines[self.opening - 1])
+        assert match is not None, "the line was found by this pattern"
+        self.shapes_alone = match["shapes"] is not None
         key = "shapes" if self.shapes_alone else "analysis"
-        place = Place(self.opening, found.start(key) + 1, len(found[key]))
+        place = Place(self.opening, match.start(key) + 1, len(match[key]))
         section, meaning = SECTION, "inverse: forces of the driven motion; forward: motion under forces"
         if self.shapes_alone:
             section, meaning = GEOMETRY, "shapes of bodies follow, for pictures"
-        number = Number(key, found[key].lower(), meaning, "", place, found[key])
+        number = Number(key, match[key].lower(), meaning, "", place, match[key])
         return Record(section, 0, section, (number,))
 
     def _finish(self, card: list[Word]) -> None:
         """Make a record of a keyword and the words behind it."""
         if not card or not card[0].text:
             return
-        keyword, *found = card
+        keyword, *words = card
         kind = BY_KEYWORD.get(keyword.text.upper())
         if kind is None:
-            self._refuse(keyword, found)
+            self._refuse(keyword, words)
             return
         if self.shapes_alone and kind not in SHAPE_CARDS:
             message = (
@@ -265,12 +265,12 @@ class _Cards:
         starts = self.starts.setdefault(kind.section, array("i"))
         self.loads += kind.section not in BY_BODY
         starts.append(self.source.lines.starts[keyword.line - 1] + keyword.column - 1)
-        if not kind.takes(len(found)):
+        if not kind.takes(len(words)):
             subject = f"{kind.section} {len(starts)}"
-            message = f"{kind.keyword} takes {kind.numbers}; read {len(found)}"
+            message = f"{kind.keyword} takes {kind.numbers}; read {len(words)}"
             self.made.error(keyword.place, subject, message, id="YOUNG-174")
             return
-        record = self.made.record(kind, len(starts), keyword, found)
+        record = self.made.record(kind, len(starts), keyword, words)
         self.numbers += len(kind.columns)
         if self.numbers <= many_records.MANY_NUMBERS:
             self.records.append(record)

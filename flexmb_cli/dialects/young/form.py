@@ -73,15 +73,15 @@ class YoungForm(Form):
         lines: list[Line] = [[("{ ", ""), *named(records[0]), (" }", "")]] if records[0]["text"] else []
         lines.append([("{ Lengths in m, angles in rad, times in s; points in the axes of their body. }", "")])
         for section in YOUNG_SECTIONS:
-            found = [named(record) for record in of[section.name]]
+            rows = [named(record) for record in of[section.name]]
             if section is COUNTS:
                 # Those of the records so far.
                 counts = {each.count: len(of[each.name]) for each in YOUNG_SECTIONS}
-                found = [[(" ".join(str(counts[column.key]) for column in COUNTS.columns), "")]]
-            elif not section.count and not found:
-                found = [[("0 0 1", "")]]  # before the time is known
+                rows = [[(" ".join(str(counts[column.key]) for column in COUNTS.columns), "")]]
+            elif not section.count and not rows:
+                rows = [[("0 0 1", "")]]  # before the time is known
             keys = " ".join(column.key for column in section.columns)
-            lines += [[(f"{{ {section.subject}: {keys} }}", "")], *found] if found else []
+            lines += [[(f"{{ {section.subject}: {keys} }}", "")], *rows] if rows else []
         lines += block_lines(records)
         return [*lines, *_card_lines(records)]
 
@@ -132,13 +132,13 @@ def _card_entries(bodies: int, shapes: bool) -> Entries:
 def _card_lines(records: Sequence[Record]) -> Iterator[Line]:
     """Yield the cards of shapes, or those of dynamics, with the line that opens them."""
     cards = {card.section: card for card in _CARDS.values()}
-    found = [record for record in records if record.section in cards]
+    cards_there = [record for record in records if record.section in cards]
     opened = next((record["analysis"] for record in records if record.section == "opening"), "")
-    if not (opened or found):
+    if not (opened or cards_there):
         return
     yield [(_SHAPES if opened in ("", _SHAPES) else f"DYNAMICS {opened.lower()}", "")]
     section = ""
-    for record in found:
+    for record in cards_there:
         if opened and record.section != section:
             section = record.section
             yield [(f"{{ {' '.join(value.key for value in record.numbers)} }}", "")]

@@ -15,7 +15,7 @@ LEAST_TOLERANCE, MOST_TOLERANCE = 1e-13, 1e-2
 
 def tolerance_of(deck: Deck, findings: Findings) -> float:
     """Return the tolerance of card RAD5, else that of TOLERANCE, else the default."""
-    found = DEFAULT_TOLERANCE
+    tolerance = DEFAULT_TOLERANCE
     for section, key in (("tolerance", "relative"), ("radau", "tolerance")):
         for record in deck.section(section):
             number = record.at(key)
@@ -24,8 +24,8 @@ def tolerance_of(deck: Deck, findings: Findings) -> float:
             if not (math.isfinite(number.value) and LEAST_TOLERANCE <= number.value <= MOST_TOLERANCE):
                 message = f"must lie between {LEAST_TOLERANCE:g} and {MOST_TOLERANCE:g}; read {number.text}"
                 findings.error(section, message, number.place, id="YOUNG-009")
-            found = float(number.value)
-    return found
+            tolerance = float(number.value)
+    return tolerance
 
 
 def check_method(deck: Deck, findings: Findings) -> None:

@@ -59,8 +59,8 @@ def _fits_doubles(record: Record, findings: Findings) -> bool:
         if isinstance(number.value, float) and abs(number.value) > LARGEST_NUMBER and number.key not in _EULER
     ]
     for number in huge:
-        found = f"{number.key} is {number.text or number.value}"
-        message = f"{found}; numbers beyond {LARGEST_NUMBER:g} cannot be computed with"
+        spelling = f"{number.key} is {number.text or number.value}"
+        message = f"{spelling}; numbers beyond {LARGEST_NUMBER:g} cannot be computed with"
         findings.error(record.subject, message, number.place, id="YOUNG-032")
     return not huge
 

@@ -95,12 +95,12 @@ class ReadCard(Record):
         """The numbers with their places."""
         behind = words_from(self._source.lines, self._start)
         keyword = next(behind)
-        found = [next(behind)] if self._kind.begins_with_text else []
+        words = [next(behind)] if self._kind.begins_with_text else []
         for word in behind:
-            if is_keyword(word) and not wants_text({self._kind.keyword: self._kind}, [keyword, *found], word):
+            if is_keyword(word) and not wants_text({self._kind.keyword: self._kind}, [keyword, *words], word):
                 break
-            found.append(word)
-        return CardRecords().record(self._kind, self.number, keyword, found).numbers
+            words.append(word)
+        return CardRecords().record(self._kind, self.number, keyword, words).numbers
 
     @property
     def place(self) -> Place:
@@ -117,10 +117,10 @@ class ReadCard(Record):
         """The card in the text; None where a comment stands in it or behind it."""
         if self._kind.begins_with_text:
             return None
-        found = _PLAIN_CARD.match(self._source.text, self._start)
-        if not found or found[2] or (self._takes_function and self._names_one(found)):
+        match = _PLAIN_CARD.match(self._source.text, self._start)
+        if not match or match[2] or (self._takes_function and self._names_one(match)):
             return None
-        return found
+        return match
 
     @property
     def _takes_function(self) -> bool:

@@ -173,11 +173,11 @@ class _Reading:
 
 def _read_counts(reading: _Reading) -> ReadRecord:
     section = reading.sections[0]
-    found = reading.take(len(section.columns))
-    record = _record(reading, section, 0, found)
-    if len(found) < len(section.columns):
-        _report_few_counts(reading, len(found))
-    for place, count in zip(found, record.numbers, strict=True):
+    words = reading.take(len(section.columns))
+    record = _record(reading, section, 0, words)
+    if len(words) < len(section.columns):
+        _report_few_counts(reading, len(words))
+    for place, count in zip(words, record.numbers, strict=True):
         least = 1 if count.key == "NBODY" else 0
         if count.value is not None and count.value < least:
             message = f"{count.key} must be at least {least}; read {count.value}"
@@ -195,38 +195,38 @@ def _report_few_counts(reading: _Reading, found: int) -> None:
 
 
 def _read_sections(reading: _Reading, counts: ReadRecord) -> ManyRecords | tuple[ReadRecord, ...]:
-    wanted = sum(size for _, size in _blocks(reading, counts))
-    found = reading.take(wanted)
+    size_of_all = sum(size for _, size in _blocks(reading, counts))
+    words = reading.take(size_of_all)
     records, position = [counts], 0
     for section, number_of_record in _expected(reading, counts):
         size = len(section.columns)
-        chunk = found[position : position + size]
+        chunk = words[position : position + size]
         position += size
         if reading.errors > MOST_ERRORS:
             break  # no deck at all, such as a text that begins with twelve integers
         record = _record(reading, section, number_of_record, chunk) if chunk else None
-        if record and wanted <= many_records.MANY_NUMBERS:
+        if record and size_of_all <= many_records.MANY_NUMBERS:
             records.append(record)
         if len(chunk) < size:
             where = f"after {len(chunk)} of its {size} numbers" if chunk else "before it"
             message = (
                 f"the deck ends {where}; by its counts the deck needs "
-                f"{wanted + len(counts.values)} numbers, it has {reading.taken}"
+                f"{size_of_all + len(counts.values)} numbers, it has {reading.taken}"
             )
             reading.early_end(subject_of(section, number_of_record), message, id="YOUNG-058")
             break
-    return tuple(records) if wanted <= many_records.MANY_NUMBERS else _many(reading, counts)
+    return tuple(records) if size_of_all <= many_records.MANY_NUMBERS else _many(reading, counts)
 
 
 def _many(reading: _Reading, counts: ReadRecord) -> ManyRecords:
     """The records of a large deck without errors."""
     blocks = [Block(COUNTS.name, 1, [counts].__getitem__)]
     first = len(counts.values)
-    for section, wanted in _blocks(reading, counts):
+    for section, numbers in _blocks(reading, counts):
         size = len(section.columns)
-        made = partial(_again, section, reading.words, first)
-        blocks.append(Block(section.name, wanted // size, made))
-        first += wanted
+        record_at = partial(_again, section, reading.words, first)
+        blocks.append(Block(section.name, numbers // size, record_at))
+        first += numbers
     return ManyRecords(blocks)
 
 
@@ -286,9 +286,9 @@ def _values(
 
 def _slips_of(reading: _Reading, counts: ReadRecord) -> tuple[Fault, ...]:
     """Slips, looked for only where the numbers needed do not end with a line: no other deck has any."""
-    wanted = sum(size for _, size in _blocks(reading, counts)) + len(counts.values)
+    needed = sum(size for _, size in _blocks(reading, counts)) + len(counts.values)
     behind = _words_behind(reading)
-    if reading.taken == wanted and not behind:
+    if reading.taken == needed and not behind:
         return ()
     # No record is empty, so the words taken bound the number of records worth listing.
     expected = islice(_expected(reading, counts), reading.taken)

@@ -78,12 +78,12 @@ def lines(path: Path) -> Iterator[Line]:
             continue
         while text.endswith(",") and (more := next(source, None)):
             text += more.text.strip() * (not more.text.startswith("**"))
-        found = _INPUT.match(text)
+        match = _INPUT.match(text)
         # An encrypted file says nothing; its keyword is refused.
-        is_read = found and "PASSWORD" not in text.upper()
-        if found and is_read:
-            source.include(found[2].strip(), line)
-        if not (found and is_read and found[1].upper() == "INCLUDE"):
+        is_read = match and "PASSWORD" not in text.upper()
+        if match and is_read:
+            source.include(match[2].strip(), line)
+        if not (match and is_read and match[1].upper() == "INCLUDE"):
             yield line._replace(text=text)
 
 

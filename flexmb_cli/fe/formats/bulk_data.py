@@ -53,11 +53,11 @@ def lines(path: Path) -> Iterator[Line]:
     """Yield the lines of a file and of those that it includes.  Raises FEFileFault."""
     source = IncludedLines(path)
     for line in source:
-        found = _INCLUDE.fullmatch(line.text)
-        if found is None:
+        match = _INCLUDE.fullmatch(line.text)
+        if match is None:
             yield line
             continue
-        name, quote = found[1].split("$")[0].strip(), found[1][:1]
+        name, quote = match[1].split("$")[0].strip(), match[1][:1]
         if quote in ("'", '"'):
             while name.count(quote) < 2 and (more := next(source, None)):
                 name += more.text.strip()

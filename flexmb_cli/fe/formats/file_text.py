@@ -73,11 +73,11 @@ def real(text: str) -> float:
     except ValueError:
         pass
     text = text.strip()
-    found = _REAL.fullmatch(text)
-    if found is None:
+    match = _REAL.fullmatch(text)
+    if match is None:
         raise ValueError(text)
-    exponent = (found[2] or "").lstrip("EeDd")
-    return float(f"{text[: found.end(1)]}e{exponent or 0}")
+    exponent = (match[2] or "").lstrip("EeDd")
+    return float(f"{text[: match.end(1)]}e{exponent or 0}")
 
 
 def printed_digits(path: Path) -> int:

@@ -82,7 +82,7 @@ def _text(name: str, raw: bytes) -> Any:
     if not _ENDING.search(raw):
         message = f"{name} does not end with 'endsolid': the file was cut off; write it again"
         raise FEFileFault(message, id="FE-077")
-    words = [word for found in _CORNER.finditer(raw) for word in found.groups()]
+    words = [word for match in _CORNER.finditer(raw) for word in match.groups()]
     if len(words) != 9 * facets:
         message = f"{name} has {len(words) // 3} corners and {facets} triangles, which have three each"
         raise FEFileFault(message, id="FE-078")

@@ -156,9 +156,11 @@ class PrimitiveTable(FunctionTable):
 
     def _primitives(self) -> np.ndarray:
         """All primitives; those that are added to others are counted behind the equations."""
-        found = np.concatenate([np.zeros(0, PRIMITIVE), *map(np.atleast_1d, (*self.measured, *self.springs))])
-        found["next"] += np.where(found["next"] >= 0, len(self.measured), 0)
-        return found
+        records = np.concatenate(
+            [np.zeros(0, PRIMITIVE), *map(np.atleast_1d, (*self.measured, *self.springs))]
+        )
+        records["next"] += np.where(records["next"] >= 0, len(self.measured), 0)
+        return records
 
     def arrays(self) -> dict[str, Any]:
         """The arrays of `SystemArrays` that are collected here."""

@@ -87,12 +87,14 @@ def _groups(arrays: KinematicArrays) -> np.ndarray:
 def _without_normalisation(arrays: KinematicArrays) -> KinematicArrays:
     constraints = arrays.constraints
     ends = np.append(constraints["first_row"][1:], len(arrays.equations))
-    kept = constraints["kind"] != NORMALISATION.code
+    others = constraints["kind"] != NORMALISATION.code
     rows = [
-        r for c, end in zip(constraints[kept], ends[kept], strict=True) for r in range(c["first_row"], end)
+        r
+        for c, end in zip(constraints[others], ends[others], strict=True)
+        for r in range(c["first_row"], end)
     ]
-    counts = (ends - constraints["first_row"])[kept]
-    constraints = constraints[kept].copy()
+    counts = (ends - constraints["first_row"])[others]
+    constraints = constraints[others].copy()
     constraints["first_row"] = np.cumsum(counts) - counts
     return replace(
         arrays,

@@ -77,13 +77,22 @@ def _flexible(bodies: Any) -> tuple[np.ndarray, np.ndarray]:
     """FLEXIBLE records, and the invariants in their order."""
     records, parts, first, at, places = [], [np.zeros(0)], 0, 0, 0
     for k, body in enumerate(bodies):
-        found, N = body.flexible, body.modes
+        invariants, N = body.flexible, body.modes
         if not N:
             continue
-        stiffened = body.stiffened and found.KG.size > 0
+        stiffened = body.stiffened and invariants.KG.size > 0
         records.append((k, N, first, at, places, stiffened))
-        own = [found.S1, found.J1, found.J2, found.C0, found.C1, found.Mff, found.Kr, found.Dr]
-        parts += [np.ravel(array) for array in (*own, *([found.KG] if stiffened else []))]
+        own = [
+            invariants.S1,
+            invariants.J1,
+            invariants.J2,
+            invariants.C0,
+            invariants.C1,
+            invariants.Mff,
+            invariants.Kr,
+            invariants.Dr,
+        ]
+        parts += [np.ravel(array) for array in (*own, *([invariants.KG] if stiffened else []))]
         first += N
         at = sum(map(len, parts))
         places += 12 + 12 * N + (6 + N) ** 2 + 6 + N
@@ -93,12 +102,12 @@ def _flexible(bodies: Any) -> tuple[np.ndarray, np.ndarray]:
 def _elements(table: PrimitiveTable, mechanism: FlexibleMechanism) -> Any:
     """The elements, whose equations stand behind all others."""
     first = mechanism.elements.first_values
-    found = ElementTable(table, PointJoints(table, mechanism.joints, first), mechanism.elements)
+    elements = ElementTable(table, PointJoints(table, mechanism.joints, first), mechanism.elements)
     joints = PointJoints(table.reported(), mechanism.joints)
     report_coordinates(joints, coordinates_of_joints(mechanism.joints))
-    found.add_couplings()
-    found.add_drivers(mechanism.time.start)
-    return found
+    elements.add_couplings()
+    elements.add_drivers(mechanism.time.start)
+    return elements
 
 
 def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism) -> list[np.ndarray]:

@@ -122,30 +122,30 @@ class TreeElements:
 
     def couplings(self) -> np.ndarray:
         """Factors (C, NS) of the coordinates in the couplings."""
-        found = np.zeros((len(self.tree.elements.couplings), len(self.tree.coordinates)))
-        for row, item in zip(found, self.tree.elements.couplings, strict=True):
+        matrix = np.zeros((len(self.tree.elements.couplings), len(self.tree.coordinates)))
+        for row, item in zip(matrix, self.tree.elements.couplings, strict=True):
             for joint, coordinate, factor in item.terms:
                 row[self.coordinate(joint, coordinate)] += factor / item.scale
-        return found
+        return matrix
 
     def coupling_rows(self) -> np.ndarray:
         """The CLOSURE_ROW records of the couplings."""
         couplings = self.tree.elements.couplings
-        found = np.zeros(len(couplings), CLOSURE_ROW)
-        found["coupling"], found["repeated"], found["curve"] = np.arange(len(couplings)), REPEATED, -1
-        for row, item in zip(found, couplings, strict=True):
+        records = np.zeros(len(couplings), CLOSURE_ROW)
+        records["coupling"], records["repeated"], records["curve"] = np.arange(len(couplings)), REPEATED, -1
+        for row, item in zip(records, couplings, strict=True):
             if item.function:
                 row["curve"] = self.table.function(item.function, of_time=False)
                 row["cam"] = self.coordinate(*item.terms[-1][:2])
-        return found
+        return records
 
     def _sensors(self) -> np.ndarray:
         """The TREE_ELEMENT records that the sensors of signals measure by."""
         signals = [signal for signal in self.tree.elements.signals if signal.measure is not None]
-        found = np.zeros(len(signals), TREE_ELEMENT)
+        sensors = np.zeros(len(signals), TREE_ELEMENT)
         for k, signal in enumerate(signals):
-            self._measure(found[k : k + 1], signal.measure)
-        return found
+            self._measure(sensors[k : k + 1], signal.measure)
+        return sensors
 
     def _measure(self, records: Any, measure: Any) -> None:
         records["curve"] = -1
@@ -162,9 +162,9 @@ class TreeElements:
     def _elements(self) -> np.ndarray:
         """The TREE_ELEMENT records: those of `names_of` without friction."""
         forces = [item for item in self.tree.elements.forces if item.law is not FRICTION]
-        found, at = np.zeros(sum(len(item.parts) for item in forces), TREE_ELEMENT), 0
+        elements, at = np.zeros(sum(len(item.parts) for item in forces), TREE_ELEMENT), 0
         for item in forces:
-            records = found[at : at + len(item.parts)]
+            records = elements[at : at + len(item.parts)]
             self._measure(records, item.measure)
             if isinstance(item.measure, Frames):
                 records["measure"], records["axis"] = 3 * [ALONG] + 3 * [ABOUT], 2 * [0, 1, 2]
@@ -180,13 +180,13 @@ class TreeElements:
             else:
                 fill_law(records, item.law, item.values, self.table)
             at += len(item.parts)
-        return found
+        return elements
 
     def _frictions(self) -> np.ndarray:
         """The TREE_FRICTION records."""
         frictions = self.tree.elements.of(FRICTION)
-        found = np.zeros(len(frictions), TREE_FRICTION)
-        for record, item in zip(found, frictions, strict=True):
+        records = np.zeros(len(frictions), TREE_FRICTION)
+        for record, item in zip(records, frictions, strict=True):
             joint = item.measure.joint
             hinge = self.tree.hinges[joint]
             record["frame"] = self.of_body[joint]
@@ -195,7 +195,7 @@ class TreeElements:
                 for motion, axes in ((ROTATION, hinge.rotations), (TRANSLATION, hinge.translations))
             )
             fill_law(record, item.law, item.values)
-        return found
+        return records
 
     def coordinate(self, joint: int, coordinate: str) -> int:
         """Number of a hinge coordinate such as "rotation 1"."""

@@ -51,12 +51,12 @@ def rigid_point(body: int, r0: np.ndarray | tuple[float, float, float]) -> NodeP
 def young_elements(table: PrimitiveTable, model: DynamicModel) -> ElementTable:
     """The elements of a model, whose equations are in the table already."""
     joints = [point_joint(joint) for joint in model.mechanism.joints]
-    found = ElementTable(table, PointJoints(table, joints, model.elements.first_values), model.elements)
+    elements = ElementTable(table, PointJoints(table, joints, model.elements.first_values), model.elements)
     report_coordinates(PointJoints(table.reported(), joints), coordinates_of_joints(joints))
     _Equations(table, model).add()
-    found.add_couplings()
-    found.add_drivers(model.mechanism.time.start)
-    return found
+    elements.add_couplings()
+    elements.add_drivers(model.mechanism.time.start)
+    return elements
 
 
 class _Equations:

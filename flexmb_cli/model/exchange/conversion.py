@@ -85,8 +85,8 @@ class Conversion(ABC):
 
     def elements(self, items: Iterable[Element]) -> tuple[Element, ...]:
         """Return force elements, whose functions of time begin at `t_start`, in terms of the new model."""
-        found = (self._element(item) for item in items)
-        return tuple(item for item in found if item)
+        elements = (self._element(item) for item in items)
+        return tuple(item for item in elements if item)
 
     def joint_drivers(self, items: Iterable[JointDriver]) -> Iterator[JointDriver]:
         """Yield drivers from 0 at the start, whatever number of turns a function begins with."""

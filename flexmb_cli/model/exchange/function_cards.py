@@ -38,8 +38,8 @@ class FunctionCards:
         function = simple(function)
         if function.kind == COMPOUND:
             return self._sum(function.terms)
-        found = _card_of(function)
-        return self._add(*found) if found else 0
+        card = _card_of(function)
+        return self._add(*card) if card else 0
 
     def _add(self, kind: str, numbers: Sequence[float]) -> int:
         self.cards.append((self.first + len(self.cards), kind, tuple(numbers)))
@@ -96,8 +96,12 @@ def _step(pieces: Pieces) -> tuple[str, tuple[float, ...]] | None:
     if len(pieces) != 3:
         return None
     (_, v0, *_), (t0, *_), (t1, v1, *_) = pieces
-    wanted = smooth_step(t0, v0, t1, v1)
-    return ("step", (t0, v0, t1, v1)) if _alike(pieces[1:], wanted[1:]) and not any(pieces[0][2:]) else None
+    pieces_of_step = smooth_step(t0, v0, t1, v1)
+    return (
+        ("step", (t0, v0, t1, v1))
+        if _alike(pieces[1:], pieces_of_step[1:]) and not any(pieces[0][2:])
+        else None
+    )
 
 
 def _spline(pieces: Pieces) -> tuple[str, tuple[float, ...]] | None:

@@ -112,16 +112,16 @@ def polynomial_of(function: MotionFunction) -> tuple[float, ...] | None:
     start, *c = function.pieces[0]
     if start:
         c = list(np.polynomial.Polynomial(c)(np.polynomial.Polynomial([-start, 1.0])).coef)
-    found = [float(x) for x in c]
-    while len(found) > 1 and found[-1] == 0.0:
-        found.pop()
-    return tuple(found)
+    coefficients = [float(x) for x in c]
+    while len(coefficients) > 1 and coefficients[-1] == 0.0:
+        coefficients.pop()
+    return tuple(coefficients)
 
 
 def value_of(function: MotionFunction | None) -> float | None:
     """The value of a function that never changes (of no function: 1); None for another function."""
-    found = (1.0,) if function is None else polynomial_of(function)
-    return found[0] if found and len(found) == 1 else None
+    coefficients = (1.0,) if function is None else polynomial_of(function)
+    return coefficients[0] if coefficients and len(coefficients) == 1 else None
 
 
 def points_of(function: MotionFunction) -> list[tuple[float, float]] | None:
@@ -171,9 +171,9 @@ def _rate_of_piece(piece: tuple[float, ...]) -> tuple[float, ...]:
 
 def without_jumps(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Points whose times rise: a jump becomes a steep line about its time."""
-    found: list[tuple[float, float]] = []
+    steep: list[tuple[float, float]] = []
     for k, (t, v) in enumerate(points):
         before = k > 0 and points[k - 1][0] == t
         after = k + 1 < len(points) and points[k + 1][0] == t
-        found.append((t + JUMP * (before - after), v))
-    return found
+        steep.append((t + JUMP * (before - after), v))
+    return steep

@@ -133,12 +133,12 @@ def repeated_in_planar_tree(tree: Tree) -> int | None:
 
 def _moving_axes(tree: Tree, frames: Frames, poses: list[Pose]) -> list[tuple[str, np.ndarray]]:
     """Motion and axis (3,), inertial axes, of every coordinate at the start."""
-    found = []
+    moving = []
     for c in tree.coordinates:
         base = frames.bases[c.body]
         axes = _axes_of(c.body, poses) if c.motion == ELASTIC else _axes_of(base.body, poses) @ base.axes
-        found.append((c.motion, axes[:, c.axis - 1]))
-    return found
+        moving.append((c.motion, axes[:, c.axis - 1]))
+    return moving
 
 
 def _axes_of(body: int, poses: list[Pose]) -> np.ndarray:

@@ -120,8 +120,8 @@ def _common_rows(report: Report, a: Columns, b: Columns) -> tuple[np.ndarray, np
         same = np.arange(len(a.time))
         return same, same
     rows = _rows_of_one_time(a, b)
-    for one, other, found in ((a, b, rows[0]), (b, a, rows[1])):
-        alone = np.setdiff1d(np.arange(len(one.time)), found)
+    for one, other, rows_of_both in ((a, b, rows[0]), (b, a, rows[1])):
+        alone = np.setdiff1d(np.arange(len(one.time)), rows_of_both)
         if alone.size:
             first = f"the first at t = {one.time[alone[0]]:.10g}"
             count = counted(alone.size, "row")

@@ -69,8 +69,8 @@ class Emulation:
         parts = [[getattr(block, name) for block in blocks] for name in DATASETS[section]]
         table = np.concatenate([np.concatenate(part) for part in parts], axis=2)
         known = (step < len(table)) & (index < table.shape[1])
-        found = table[np.where(known, step, 0), np.where(known, index, 0)]
-        return np.where(known[:, None], found, np.nan)[:, columns]
+        values = table[np.where(known, step, 0), np.where(known, index, 0)]
+        return np.where(known[:, None], values, np.nan)[:, columns]
 
 
 def _rows(mechanism: Mechanism, errors: frozenset[str]) -> list[Rows]:
@@ -91,8 +91,8 @@ def _grouped(explained: np.ndarray, behind: dict[str, np.ndarray]) -> list[tuple
     code = np.zeros(explained.shape, dtype=int)
     for k, mask in enumerate(behind.values()):
         code |= mask.astype(int) << k
-    found = []
+    groups = []
     for number in np.unique(code[explained]).tolist():
         errors = [error for k, error in enumerate(behind) if number >> k & 1]
-        found.append(("; ".join(errors) or ITERATION, explained & (code == number)))
-    return found
+        groups.append(("; ".join(errors) or ITERATION, explained & (code == number)))
+    return groups

@@ -108,21 +108,21 @@ def _compare_files(
         if first != second:
             report.words.append(f"{name}: {first!r} against {second!r}")
     flips = same_attitude and _have_attitudes(a, b)
-    found = _compared_datasets(a), _compared_datasets(b)
+    datasets = _compared_datasets(a), _compared_datasets(b)
     if attribute(a, "Conventions") != attribute(b, "Conventions"):
         # Versions of the format have scales of the same numbers at other places.
-        _leave_out_lone_scales(*found)
+        _leave_out_lone_scales(*datasets)
     special = quantity_places(a, tolerances)
-    for name in [*found[0], *(name for name in found[1] if name not in found[0])]:
-        shape = found[0 if name in found[0] else 1][name].shape[1:]
+    for name in [*datasets[0], *(name for name in datasets[1] if name not in datasets[0])]:
+        shape = datasets[0 if name in datasets[0] else 1][name].shape[1:]
         tolerance = tolerances.of_places(kind_of(name), shape, special.get(name, ()))
         if tolerance.ignores:
             continue
-        if name in found[0] and name in found[1]:
+        if name in datasets[0] and name in datasets[1]:
             signs = partial(_signs, a, b) if flips and name in SIGNED else None
-            _compare_dataset(report, name, (found[0][name], found[1][name]), tolerance, signs)
+            _compare_dataset(report, name, (datasets[0][name], datasets[1][name]), tolerance, signs)
         else:
-            report.missing.append(f"/{visible(name)}: not in {report.b if name in found[0] else report.a}")
+            report.missing.append(f"/{visible(name)}: not in {report.b if name in datasets[0] else report.a}")
 
 
 def quantity_places(result: h5py.File, tolerances: Tolerances) -> dict[str, list[Any]]:
@@ -132,11 +132,11 @@ def quantity_places(result: h5py.File, tolerances: Tolerances) -> dict[str, list
         return places
     for pattern, tolerance in tolerances.quantities.items():
         try:
-            found = resolve(result, [pattern])
+            quantities = resolve(result, [pattern])
         except ResultError:
             continue  # the patterns that fit nothing are reported when all files are compared
         tolerances.used.add(pattern)
-        for quantity in found:
+        for quantity in quantities:
             places.setdefault(quantity.dataset, []).append((quantity.index, tolerance))
     return places
 
@@ -147,10 +147,10 @@ def kind_of(name: str) -> str:
 
 
 def _compared_datasets(file: h5py.File) -> StoredDatasets:
-    found = StoredDatasets(file)
+    datasets = StoredDatasets(file)
     for name in NOT_COMPARED:
-        found.leave_out(name)
-    return found
+        datasets.leave_out(name)
+    return datasets
 
 
 def _leave_out_lone_scales(one: StoredDatasets, other: StoredDatasets) -> None:
@@ -158,9 +158,9 @@ def _leave_out_lone_scales(one: StoredDatasets, other: StoredDatasets) -> None:
     lone = [
         (item, name) for item, beside in ((one, other), (other, one)) for name in item.keys() - beside.keys()
     ]
-    for found, name in lone:
-        if h5py.h5ds.is_scale(found[name].id):
-            found.leave_out(name)
+    for datasets, name in lone:
+        if h5py.h5ds.is_scale(datasets[name].id):
+            datasets.leave_out(name)
 
 
 def _compare_dataset(

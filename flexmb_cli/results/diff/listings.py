@@ -240,10 +240,9 @@ def _matching_lines(
         everything = np.arange(len(keys[0][0]))
         return everything, everything
     pairs = [list(zip(rank.tolist(), index.tolist(), strict=True)) for rank, index in keys]
-    found: tuple[np.ndarray, np.ndarray] = common_places(
+    return common_places(
         *[[pair if pair[0] >= 0 else ("alone", *pair, k) for pair in pairs[k]] for k in (0, 1)]
     )
-    return found
 
 
 def _ranked(listing: Listing, name: str, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

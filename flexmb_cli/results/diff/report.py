@@ -267,9 +267,11 @@ class Report:
     def _list_lines(self) -> list[str]:
         """Return the numbers listed, in the order of A's lines, as `FILE:LINE: place`."""
         lines = []
-        for found in sorted(self.listed, key=lambda one: one.line or 0):
-            place = f"{visible(self.a)}:{found.line}" if found.line else "differs"
-            lines.append(f"{place}: {found.sentence}{' (only the sign)' if found.a == -found.b else ''}")
+        for difference in sorted(self.listed, key=lambda one: one.line or 0):
+            place = f"{visible(self.a)}:{difference.line}" if difference.line else "differs"
+            lines.append(
+                f"{place}: {difference.sentence}{' (only the sign)' if difference.a == -difference.b else ''}"
+            )
         left = self.differing - self.explained - len(self.listed)
         return [*lines, f"… and {left} more"] if lines and left else lines
 

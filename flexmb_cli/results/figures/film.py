@@ -151,10 +151,7 @@ def film_rows(time: np.ndarray, rate: int) -> list[int]:
     count = min(MOST_FRAMES, max(2, round(seconds * rate) + 1))
     shown = np.linspace(time[0], time[-1], count)
     # Times are computed from the counts of rows, and differ by round-off.
-    found: list[int] = np.clip(
-        np.searchsorted(time, shown + 1e-9 * span, "right") - 1, 0, len(time) - 1
-    ).tolist()
-    return found
+    return np.clip(np.searchsorted(time, shown + 1e-9 * span, "right") - 1, 0, len(time) - 1).tolist()
 
 
 def film_frames(result: h5py.File, look: FilmLook, rows: slice = slice(None)) -> Iterator[np.ndarray]:

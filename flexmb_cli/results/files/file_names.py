@@ -34,8 +34,8 @@ class ResultPaths:
     @property
     def files(self) -> tuple[str, ...]:
         """The files that will be written, in the order OUT, HDF5, series."""
-        wanted = (self.out, self.h5, *self.series)
-        return tuple(path for path in wanted if path is not None and path != STANDARD_OUTPUT)
+        places = (self.out, self.h5, *self.series)
+        return tuple(path for path in places if path is not None and path != STANDARD_OUTPUT)
 
     @property
     def resume(self) -> str | None:

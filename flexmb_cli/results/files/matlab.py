@@ -127,8 +127,8 @@ def read_variable(raw: bytes, name: str) -> Content:
         raise ValueError("it has no header of a MATLAB 5 file")
     elements = _Elements(raw, _HEADER, len(raw), order)
     while elements.left:
-        found, content = _matrix(elements, 0)
-        if found == name and isinstance(content, dict):
+        variable, content = _matrix(elements, 0)
+        if variable == name and isinstance(content, dict):
             return content
     raise ValueError(f"it has no struct {name}")
 

@@ -66,11 +66,11 @@ def reserve(target: str) -> tuple[str, int]:
             held = os.open(path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o666)
             try:
                 # Another run may have taken it for a leftover before it was held.
-                kept = hold(held) is not False and _stands(path)
+                stays = hold(held) is not False and _stands(path)
             except BaseException:
                 _give_up(path, held)
                 raise
-            if kept:
+            if stays:
                 return path, held
             _give_up(path, held)
 

@@ -59,9 +59,9 @@ def fault_of_packed(dataset: h5py.Dataset, most: int) -> str:
     room = dataset.dtype.itemsize + _CHECKSUM
     for length in dataset.chunks:
         room *= int(length)
-    for found in chunks_of(dataset):
-        if found.size * INFLATED > most and not found.filter_mask & bit:
-            raw = dataset.id.read_direct_chunk(found.chunk_offset)[1]
+    for chunk in chunks_of(dataset):
+        if chunk.size * INFLATED > most and not chunk.filter_mask & bit:
+            raw = dataset.id.read_direct_chunk(chunk.chunk_offset)[1]
             if not _fits(raw, room):
                 return "has a chunk that unpacks to more than it holds"
     return ""
@@ -69,9 +69,9 @@ def fault_of_packed(dataset: h5py.Dataset, most: int) -> str:
 
 def chunks_of(dataset: h5py.Dataset) -> list[h5py.h5d.StoreInfo]:
     """Return place and size of all stored chunks: to ask for one by its number looks through those before."""
-    found: list[h5py.h5d.StoreInfo] = []
-    dataset.id.chunk_iter(found.append)
-    return found
+    chunks: list[h5py.h5d.StoreInfo] = []
+    dataset.id.chunk_iter(chunks.append)
+    return chunks
 
 
 def _fits(raw: bytes, room: int) -> bool:
@@ -156,10 +156,10 @@ def bytes_of_texts(dataset: h5py.Dataset, most: int) -> int:
     if dataset.chunks is None:
         return total + _contiguous(dataset, count)
     unwritten = count * _fill_length(dataset)
-    for found in chunks_of(dataset):
+    for chunk in chunks_of(dataset):
         if total + unwritten > most:
             break
-        total += _chunk(dataset, found.chunk_offset)
+        total += _chunk(dataset, chunk.chunk_offset)
     return total + unwritten
 
 

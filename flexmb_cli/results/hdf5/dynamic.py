@@ -97,17 +97,17 @@ COMPOSITE_SERIES = {
 
 def element_layout(model: DynamicModel) -> Layout:
     """Axes and series of a run with elements."""
-    found = dynamic_layout(model)
+    rows = dynamic_layout(model)
     drivers = _driver_names(model)
-    axes = [axis for axis in found.axes if axis.path != DRIVER]
-    series = [item for item in found.series if item.path != PATH]
+    axes = [axis for axis in rows.axes if axis.path != DRIVER]
+    series = [item for item in rows.series if item.path != PATH]
     if drivers:
         names, units = zip(*drivers, strict=True)
         axes.append(with_units(numbered_axis("driver", names), "driver", units))
         series.append(effort_series(FORCES["driver_effort"], units))
-    layout = replace(found, axes=tuple(axes), series=tuple(series))
-    found = with_elements(layout, model.elements, model.springs)
-    return _with_composites(found, model.elements.composites)
+    layout = replace(rows, axes=tuple(axes), series=tuple(series))
+    rows = with_elements(layout, model.elements, model.springs)
+    return _with_composites(rows, model.elements.composites)
 
 
 def values_with_elements(model: DynamicModel, rows: "ElementRows") -> Values:

@@ -94,10 +94,10 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
         if body.reduced.stress or body.reduced.mesh:
             series.append(Series(_rate(body), (axis,), "m/s or 1/s", f"rates of the {meaning}"))
     series += stress_series(mechanism)
-    found = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), tuple(_constants(mechanism)))
+    layout = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), tuple(_constants(mechanism)))
     if mechanism.elements:
-        found = with_elements(found, mechanism.elements, mechanism.springs)
-    return with_shapes(found, mechanism.shapes)
+        layout = with_elements(layout, mechanism.elements, mechanism.springs)
+    return with_shapes(layout, mechanism.shapes)
 
 
 def flexible_values(mechanism: FlexibleMechanism, rows: "FlexibleRows") -> Values:

@@ -232,12 +232,12 @@ def element_values(rows: Any, series: dict[str, Series] = OF_ELEMENTS) -> Values
 
 def coordinate_axes(joints: Sequence[Any], names: Sequence[str]) -> list[Axis]:
     """The axis of all joint coordinates, none without any; `names` of the joints."""
-    found = [
+    named = [
         (f"{name} {coordinate}", "rad" if coordinate == ANGLE else "m")
         for joint, name in zip(joints, names, strict=True)
         for coordinate in COORDINATES_OF[joint.kind]
     ]
-    if not found:
+    if not named:
         return []
-    texts, units = zip(*found, strict=True)
+    texts, units = zip(*named, strict=True)
     return [with_units(numbered_axis("coordinate", texts), "coordinate", units)]

@@ -21,24 +21,24 @@ OF_JOINT = ("joint/joint", SIDE.path)
 def gravity(acceleration: tuple[float, float, float]) -> tuple[Constant, ...]:
     """Return the acceleration of gravity (3,), global axes, where there is any; pictures show it as down."""
     g = np.array(acceleration, float)
-    found = (Constant("gravity", (XYZ.path,), g, "m/s2", "acceleration of gravity, global axes"),)
-    return found if g.any() else ()
+    constants = (Constant("gravity", (XYZ.path,), g, "m/s2", "acceleration of gravity, global axes"),)
+    return constants if g.any() else ()
 
 
 def mechanism_geometry(mechanism: Mechanism) -> tuple[Constant, ...]:
     """Bodies, points and axes of the joints, bodies of the points of interest."""
-    found = []
+    constants = []
     if mechanism.joints:
         joints = mechanism.joints
         axis = np.array([(joint.s_i, joint.s_j) for joint in joints], float)
         meaning = "vector along the joint's axis (arm of a universal joint's cross; 0: spherical), body axes"
-        found = joint_geometry(
+        constants = joint_geometry(
             [(joint.i, joint.j) for joint in joints], [(joint.P_i, joint.P_j) for joint in joints]
         )
-        found.append(Constant("joint/axis", (*OF_JOINT, XYZ.path), axis, "m", meaning))
+        constants.append(Constant("joint/axis", (*OF_JOINT, XYZ.path), axis, "m", meaning))
     if mechanism.points:
-        found.append(point_bodies([point.body for point in mechanism.points]))
-    return tuple(found)
+        constants.append(point_bodies([point.body for point in mechanism.points]))
+    return tuple(constants)
 
 
 def tree_geometry(tree: "Tree") -> tuple[Constant, ...]:
@@ -46,16 +46,19 @@ def tree_geometry(tree: "Tree") -> tuple[Constant, ...]:
     bodies = [hinge.parent for hinge in tree.hinges]
     centres = np.array([_centre(body) for body in tree.bodies], float)
     meaning = "centre of mass of the undeformed body, body axes"
-    found = [*gravity(tree.gravity), Constant("body/centre", ("body/body", XYZ.path), centres, "m", meaning)]
+    constants = [
+        *gravity(tree.gravity),
+        Constant("body/centre", ("body/body", XYZ.path), centres, "m", meaning),
+    ]
     for k, body in enumerate(tree.bodies):
         if body.elastic is not None:
             bodies += len(body.elastic.masses) * [k]
-            found.append(node_geometry(body.name, body.elastic.positions))
-    found.append(point_bodies(bodies))
+            constants.append(node_geometry(body.name, body.elastic.positions))
+    constants.append(point_bodies(bodies))
     if tree.closures:
         pairs = [(closure.a, closure.b) for closure in tree.closures]
-        found += joint_geometry(pairs, [_closed_points(tree, closure) for closure in tree.closures])
-    return tuple(found)
+        constants += joint_geometry(pairs, [_closed_points(tree, closure) for closure in tree.closures])
+    return tuple(constants)
 
 
 def joint_geometry(pairs: list[tuple[int, int]], points: list[Any]) -> list[Constant]:
@@ -104,10 +107,7 @@ def _centre(body: "Body") -> np.ndarray | tuple[float, float, float]:
     """Return what a flexible body's nodes leave of its mass sits at its origin."""
     if body.elastic is None:
         return body.centre
-    found: np.ndarray = (
-        body.elastic.masses @ body.elastic.positions / max(body.mass, body.elastic.masses.sum())
-    )
-    return found
+    return body.elastic.masses @ body.elastic.positions / max(body.mass, body.elastic.masses.sum())
 
 
 def _closed_points(tree: "Tree", closure: "Closure") -> list[tuple[float, float, float]]:

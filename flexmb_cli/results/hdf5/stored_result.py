@@ -93,8 +93,8 @@ def root_attribute(path: str, name: str = "Conventions") -> str:
 def newer_layout(file: h5py.File) -> str:
     """Return the sentence about a file whose layout is of a later flexmb, or an empty text."""
     layout = attribute(file, "Conventions")
-    found = re.fullmatch(r"flexmb-(?:study-)?([0-9]{1,9})", layout)
-    if found is None or int(found[1]) <= NEWEST_LAYOUT:
+    match = re.fullmatch(r"flexmb-(?:study-)?([0-9]{1,9})", layout)
+    if match is None or int(match[1]) <= NEWEST_LAYOUT:
         return ""
     writer = attribute(file, "flexmb_version") or "a later version"
     return (
@@ -223,9 +223,9 @@ def _references(dataset: h5py.Dataset, axis: int) -> "np.ndarray | None":
     if not h5py.h5a.exists(dataset.id, b"DIMENSION_LIST"):
         return None
     # Looked at before it is read: it may be of any length, and lead to a megabyte from each of its places.
-    found = h5py.h5a.open(dataset.id, b"DIMENSION_LIST")
-    kind = h5py.check_vlen_dtype(found.dtype)
-    if found.shape != (dataset.ndim,) or kind is None or h5py.check_ref_dtype(kind) is not h5py.Reference:
+    attribute = h5py.h5a.open(dataset.id, b"DIMENSION_LIST")
+    kind = h5py.check_vlen_dtype(attribute.dtype)
+    if attribute.shape != (dataset.ndim,) or kind is None or h5py.check_ref_dtype(kind) is not h5py.Reference:
         return None
     if h5py.h5ds.get_num_scales(dataset.id, axis) > MOST_SCALES:
         raise Damaged(
@@ -258,9 +258,9 @@ def settings_of(result: h5py.File, name: str = "settings") -> list[str]:
 
 
 def _text(owner: h5py.Dataset | h5py.File, name: str) -> str:
-    found = h5py.h5a.open(owner.id, name.encode())
+    attribute = h5py.h5a.open(owner.id, name.encode())
     # An array may lead to the same text from each of its places; flexmb writes single texts.
-    if found.shape != () or found.dtype.itemsize > _most_bytes(owner.file):
+    if attribute.shape != () or attribute.dtype.itemsize > _most_bytes(owner.file):
         return ""
     value = owner.attrs[name]
     if isinstance(value, bytes):
@@ -283,9 +283,9 @@ def check_shapes(result: h5py.File, shapes: Mapping[str, str], sizes: dict[str, 
         if is_text(dataset) != path.endswith(("name", "message")):
             raise Damaged(f"/{_reported(path)} has numbers in place of text, or text in place of numbers")
         for letter, length in zip(letters, dataset.shape, strict=True):
-            wanted = int(letter) if letter.isdigit() else sizes.setdefault(letter, length)
-            if length != wanted:
-                raise Damaged(f"/{_reported(path)} has {length} places along an axis of {wanted}")
+            expected = int(letter) if letter.isdigit() else sizes.setdefault(letter, length)
+            if length != expected:
+                raise Damaged(f"/{_reported(path)} has {length} places along an axis of {expected}")
 
 
 def _reported(name: str | bytes) -> str:
@@ -321,12 +321,12 @@ class StoredDatasets(Mapping[str, h5py.Dataset]):
 
 
 def _paths_of_datasets(file: h5py.File) -> list[str]:
-    found: list[bytes] = []
+    paths: list[bytes] = []
 
     # h5py cannot bear an exception in here.
     def note(name: bytes, described: h5py.h5o.ObjInfo) -> None:
         if described.type == h5py.h5o.TYPE_DATASET:
-            found.append(name)
+            paths.append(name)
 
     h5py.h5o.visit(file.id, note, info=True)
-    return [name.decode("utf-8", "surrogateescape") for name in found]
+    return [name.decode("utf-8", "surrogateescape") for name in paths]

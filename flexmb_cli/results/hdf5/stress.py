@@ -110,7 +110,7 @@ def _group(mechanism: FlexibleMechanism, output: StressOutput, quantity: str = "
 
 def stress_values(mechanism: FlexibleMechanism, values: Values) -> dict[str, np.ndarray]:
     """Return the series for report rows whose modal coordinates are among `values`."""
-    found: dict[str, np.ndarray] = {}
+    series: dict[str, np.ndarray] = {}
     for output in mechanism.stresses:
         body = mechanism.bodies[output.body]
         eta = values[f"modal/{body.name}/amplitude"]
@@ -120,18 +120,18 @@ def stress_values(mechanism: FlexibleMechanism, values: Values) -> dict[str, np.
         for kind, shapes in (("node", output.nodal), ("element", means)):
             if len(shapes):
                 tensor = np.einsum("san,tn->tsa", shapes, eta)
-                found[f"{group}/{kind}_tensor"] = tensor
-                found[f"{group}/{kind}_von_mises"] = von_mises(tensor)
-                found[f"{group}/{kind}_principal"] = principal_stresses(tensor)
+                series[f"{group}/{kind}_tensor"] = tensor
+                series[f"{group}/{kind}_von_mises"] = von_mises(tensor)
+                series[f"{group}/{kind}_principal"] = principal_stresses(tensor)
                 strained = _strains(tensor, body)
-                found[f"{strain}/{kind}_tensor"] = strained
-                found[f"{strain}/{kind}_principal"] = principal_stresses(strained)
+                series[f"{strain}/{kind}_tensor"] = strained
+                series[f"{strain}/{kind}_principal"] = principal_stresses(strained)
         if len(output.elements):
-            found[f"{strain}/element_energy"] = element_energies(output, body, eta)
+            series[f"{strain}/element_energy"] = element_energies(output, body, eta)
         if output.largest:
             largest = largest_von_mises(body, eta)
-            found[f"{group}/max_von_mises"], found[f"{group}/max_node"] = largest
-    return found
+            series[f"{group}/max_von_mises"], series[f"{group}/max_node"] = largest
+    return series
 
 
 def von_mises(stress: np.ndarray) -> np.ndarray:

@@ -68,14 +68,14 @@ class Outputs:
 
     def of(self, values: Values) -> Values:
         """Return a block of values, by the paths of their datasets, with the outputs."""
-        found = dict(values)
+        series = dict(values)
         for line, before in zip(self.lines, self._before, strict=True):
             if line.kind == FORMULA:
-                rows = self._formulas.value(line, found)
+                rows = self._formulas.value(line, series)
             else:
-                rows = _measured(line, found, before)
-            found[_path(line)] = rows
-        return found
+                rows = _measured(line, series, before)
+            series[_path(line)] = rows
+        return series
 
 
 def _path(line: ElementLine) -> str:
@@ -118,8 +118,8 @@ class _Formulas:
         self.variables, self.lines = variables, [line for line in lines if line.kind == FORMULA]
         self.parsed: dict[str, Formula] = {line.subject: formula(line[FORMULA]) for line in self.lines}
         self.places: dict[str, Quantity] = {}
-        wanted = {name for one in self.parsed.values() for name in one.names if name not in variables}
-        if wanted:
+        lacking = {name for one in self.parsed.values() for name in one.names if name not in variables}
+        if lacking:
             with empty_result(deck, layout) as result:
                 faults = [fault for line in self.lines for fault in self._resolved(line, result, lines)]
             if faults:
@@ -135,19 +135,19 @@ class _Formulas:
             own = f"{GROUP}.{name}" if name.partition(".")[0] in outputs else name
             place = _place_of(line, name)
             try:
-                found = resolve(result, [own])
+                quantities = resolve(result, [own])
             except ResultError as failure:
                 message = f"the formula names {str(failure).removesuffix(SHOWS_ALL)}"
                 faults.append(Fault("error", message, place, line.subject, id="RESULT-111"))
                 continue
-            if len(found) > 1:
-                shown = ", ".join(quantity.name for quantity in found[:4])
+            if len(quantities) > 1:
+                shown = ", ".join(quantity.name for quantity in quantities[:4])
                 message = f"{name} is more than one number: {shown} …; name one"
                 faults.append(Fault("error", message, place, line.subject, id="RESULT-112"))
-            elif found[0].dataset in map(_path, lines[outputs.index(line.subject) :]):
+            elif quantities[0].dataset in map(_path, lines[outputs.index(line.subject) :]):
                 message = f"the output {name} must be given on a line above"
                 faults.append(Fault("error", message, place, line.subject, id="RESULT-113"))
-            self.places[name] = found[0]
+            self.places[name] = quantities[0]
         return faults
 
     def value(self, line: ElementLine, values: Values) -> np.ndarray:

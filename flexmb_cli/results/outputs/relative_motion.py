@@ -46,7 +46,7 @@ def motion_of(values: Values, body: int, point: tuple[float, float, float] = (0.
 def _matrices(parameters: np.ndarray) -> np.ndarray:
     """Return the matrices (rows, 3, 3) of Euler parameters (rows, 4)."""
     e0, e1, e2, e3 = parameters.T
-    found: np.ndarray = np.moveaxis(
+    return np.moveaxis(
         np.array(
             [
                 [e0**2 + e1**2 - e2**2 - e3**2, 2 * (e1 * e2 - e0 * e3), 2 * (e1 * e3 + e0 * e2)],
@@ -57,7 +57,6 @@ def _matrices(parameters: np.ndarray) -> np.ndarray:
         -1,
         0,
     )
-    return found
 
 
 def _seen(axes: np.ndarray, vectors: np.ndarray) -> np.ndarray:
@@ -129,16 +128,16 @@ def rotation_vector(turned: np.ndarray) -> np.ndarray:
     squares = 1.0 + np.column_stack([squares[:, 0], *(2 * squares[:, k] - trace for k in (1, 2, 3))])
     sums = turned + np.swapaxes(turned, 1, 2)
     skew = np.column_stack([turned[:, i, j] - turned[:, j, i] for i, j in ((2, 1), (0, 2), (1, 0))])
-    found = np.empty((len(turned), 4))
+    quaternions = np.empty((len(turned), 4))
     for n, row in enumerate(squares):
         k = int(np.argmax(row))
         others = skew[n] if k == 0 else np.insert(np.delete(sums[n, k - 1], k - 1), 0, skew[n, k - 1])
-        found[n] = np.insert(others / (2 * np.sqrt(row[k])), k, 0.5 * np.sqrt(row[k]))
-    found *= np.where(found[:, :1] < 0, -1.0, 1.0)
-    sine = np.linalg.norm(found[:, 1:], axis=1)
-    angle = 2 * np.arctan2(sine, found[:, 0])
+        quaternions[n] = np.insert(others / (2 * np.sqrt(row[k])), k, 0.5 * np.sqrt(row[k]))
+    quaternions *= np.where(quaternions[:, :1] < 0, -1.0, 1.0)
+    sine = np.linalg.norm(quaternions[:, 1:], axis=1)
+    angle = 2 * np.arctan2(sine, quaternions[:, 0])
     factor = np.divide(angle, sine, out=np.full_like(sine, 2.0), where=sine > 0)
-    return factor[:, None] * found[:, 1:]
+    return factor[:, None] * quaternions[:, 1:]
 
 
 @dataclass

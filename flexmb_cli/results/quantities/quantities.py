@@ -123,8 +123,10 @@ def _result_beside(path: Path | str) -> str:
         Path(path).with_suffix(".h5"),
         *(Path(path).with_name(name) for name in _names_of_results(path)),
     }
-    found = next((str(result) for result in sorted(beside) if result.is_file() and h5py.is_hdf5(result)), "")
-    return f"; is {found} meant?" if found else "; flexmb run writes a deck's result into an .h5 file"
+    neighbour = next(
+        (str(result) for result in sorted(beside) if result.is_file() and h5py.is_hdf5(result)), ""
+    )
+    return f"; is {neighbour} meant?" if neighbour else "; flexmb run writes a deck's result into an .h5 file"
 
 
 def _names_of_results(path: Path | str) -> Iterator[str]:
@@ -152,18 +154,18 @@ def resolve(result: h5py.File, patterns: Iterable[str], file: str = "", where: s
     fits nothing; `where` ("--x ") begins its sentences, and `file` is the result's name in them.
     """
     known = families(result)
-    found: dict[Quantity, None] = {}
+    quantities: dict[Quantity, None] = {}
     unknown = []
     for pattern in patterns:
         matched = _matched(known, pattern)
-        found.update(dict.fromkeys(matched))
+        quantities.update(dict.fromkeys(matched))
         if not matched:
             hint = hint_for(pattern, known)
             lacking = f"the result has no such quantity{'; ' * bool(hint)}{hint}{SHOWS_ALL}"
             unknown.append(f"{where}{pattern or NOTHING}: {lacking}")
     if unknown:
         raise ResultError(file, *unknown, id=UNKNOWN)
-    return list(found)
+    return list(quantities)
 
 
 def time_quantity(result: h5py.File) -> Quantity:
@@ -181,9 +183,9 @@ def read(result: h5py.File, quantities: Sequence[Quantity], rows: slice = slice(
     for column, quantity in enumerate(quantities):
         columns.setdefault(quantity.dataset, []).append(column)
     values = np.empty((len(range(*rows.indices(len(result[TIME])))), len(quantities)))
-    for path, wanted in columns.items():
-        index = np.array([quantities[column].index for column in wanted], dtype=int)
-        values[:, wanted] = _elements(result, path, rows, index)
+    for path, chosen in columns.items():
+        index = np.array([quantities[column].index for column in chosen], dtype=int)
+        values[:, chosen] = _elements(result, path, rows, index)
     return values
 
 

@@ -224,10 +224,10 @@ class _Labels:
         """The names at `path`, none when there is no such list; Damaged unless there are `count`."""
         if path not in self._result:
             return []
-        found = texts(self._result[path])
-        if len(found) != count:
-            raise Damaged(f"{path} has {len(found)} names for {count} things")
-        return found
+        names = texts(self._result[path])
+        if len(names) != count:
+            raise Damaged(f"{path} has {len(names)} names for {count} things")
+        return names
 
     def body(self, name: str) -> tuple[str, ...]:
         """Number and name of the body that has a group for itself."""
@@ -247,8 +247,8 @@ class _Labels:
             return (stated,)
         each = self._listed(f"{group}/unit", dataset.shape[1])
         choices = stated.split(" or ")
-        wanted = [(unit, OF_EFFORT.get(unit)) for unit in each]
-        return tuple(next((c for c in choices if c.split("/")[0] in pair), stated) for pair in wanted)
+        pairs = [(unit, OF_EFFORT.get(unit)) for unit in each]
+        return tuple(next((c for c in choices if c.split("/")[0] in pair), stated) for pair in pairs)
 
 
 def _with_angles(given: list[tuple[str, str]]) -> list[tuple[str, ...]]:

@@ -95,13 +95,13 @@ def _with_points(pattern: str, families: Sequence[Family]) -> str:
 
 
 def _lacking(first: str, families: Sequence[Family]) -> str:
-    wanted = next((word for word in NEEDS if first in (word, f"{word}s", f"{word}es")), None)
-    if wanted is None or any(family.path.startswith(f"{wanted}/") for family in families):
+    need = next((word for word in NEEDS if first in (word, f"{word}s", f"{word}es")), None)
+    if need is None or any(family.path.startswith(f"{need}/") for family in families):
         return ""
     paths = {family.path for family in families}
     of_kind = OF_TREES if TREE in paths else OF_VSDF if FLEXIBLE in paths else {}
-    hint = _in_place_of_displacements(families) if wanted == "elastic" else ""
-    return hint or of_kind.get(wanted, NEEDS[wanted])
+    hint = _in_place_of_displacements(families) if need == "elastic" else ""
+    return hint or of_kind.get(need, NEEDS[need])
 
 
 def _in_place_of_displacements(families: Sequence[Family]) -> str:
@@ -120,10 +120,10 @@ def _in_place_of_displacements(families: Sequence[Family]) -> str:
 
 def _of_things(word: str, families: Sequence[Family]) -> str:
     """Return names of the first things that have a quantity named without them: body.1.velocity."""
-    wanted = (family for family in families if family.path.partition("/")[2] == word)
+    of_word = (family for family in families if family.path.partition("/")[2] == word)
     # The last word of a name is the component, which may be left out.
-    found = [family.name((0,) * len(family.shape)).rpartition(".")[0] for family in wanted]
-    return " or ".join(name for name in found if name.endswith(f".{word}"))
+    things = [family.name((0,) * len(family.shape)).rpartition(".")[0] for family in of_word]
+    return " or ".join(name for name in things if name.endswith(f".{word}"))
 
 
 def _count(words: Sequence[str], families: Sequence[Family]) -> str:

@@ -16,8 +16,8 @@ def check_text(report: Any) -> str:
     """Return counts, assembly and rank of a mechanism; of a tree coordinates, inertia, loops and energies."""
     one_way = ", one-way: elastic motion does not act on rigid motion" * bool(report.counts.get("one_way"))
     first = f"{visible(report.outcome.deck)}: {report.deck.dialect.upper()} deck{one_way}"
-    found = _tree_lines(report) if report.analysis == "tree" else _mechanism_lines(report)
-    return "".join(f"{line}\n" for line in (first, *found))
+    lines = _tree_lines(report) if report.analysis == "tree" else _mechanism_lines(report)
+    return "".join(f"{line}\n" for line in (first, *lines))
 
 
 def _mechanism_lines(report: Any) -> Iterator[str]:
@@ -101,7 +101,7 @@ def few(names: list[str]) -> str:
 
 
 def _tree_lines(report: Any) -> Iterator[str]:
-    counts, found = report.counts, report.tree
+    counts, findings = report.counts, report.tree
     dof = counts.get("degrees_of_freedom")
     yield (
         f"  bodies {counts['bodies']}, of them flexible {counts['flexible']}; "
@@ -114,22 +114,22 @@ def _tree_lines(report: Any) -> Iterator[str]:
     )
     known = "" if dof is None else f"degrees of freedom {dof}, "
     yield f"  {known}report times {counts['report_times']}"
-    for name, nodes, coordinates, lowest, highest in found.elastic:
+    for name, nodes, coordinates, lowest, highest in findings.elastic:
         yield (
             f"  {name}: nodes {nodes}, elastic coordinates {coordinates}, "
             f"{lowest:.4g} to {highest:.4g} Hz with the root held"
         )
-    yield from _coordinate_lines(found.coordinates)
-    if found.gaps:
+    yield from _coordinate_lines(findings.coordinates)
+    if findings.gaps:
         yield "  gap of the loops, as given → assembled"
-        yield from (f"    {name}  {before:9.2e} → {after:9.2e} m" for name, before, after in found.gaps)
-        yield from (f"    closed by others too: {name}" for name in found.redundant)
-    if found.lightest is not None:
-        name, share = found.lightest
+        yield from (f"    {name}  {before:9.2e} → {after:9.2e} m" for name, before, after in findings.gaps)
+        yield from (f"    closed by others too: {name}" for name in findings.redundant)
+    if findings.lightest is not None:
+        name, share = findings.lightest
         least = f"least inertia left: {share:.3g} of its body's own, at '{name}'"
         yield f"  mass matrix positive definite; {least}"
-    if found.energies:
-        energies = ", ".join(f"{name} {value:.6g} J" for name, value in found.energies.items())
+    if findings.energies:
+        energies = ", ".join(f"{name} {value:.6g} J" for name, value in findings.energies.items())
         yield f"  energies at the start: {energies}"
 
 

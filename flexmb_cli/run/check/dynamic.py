@@ -49,18 +49,18 @@ def _check_forward(report: CheckReport, model: DynamicModel, run: Run) -> None:
     report.time, q = model.mechanism.time.start, arrays.kinematic.q
     before = gaps_of(analysis.gaps, arrays, q, report.time, arrays.angles)
     try:
-        found = start_of(analysis, report)
+        freedom = start_of(analysis, report)
     finally:
         report.outcome.faults += analysis.warnings
     drivers = len(model.mechanism.drivers) + len(model.elements.drivers)
     report.counts = parts_of(model.mechanism) | {
         "equations": len(arrays.equations),
         "coordinates": speeds,
-        "degrees_of_freedom": int(speeds - found.rank) + drivers,
+        "degrees_of_freedom": int(speeds - freedom.rank) + drivers,
     }
     assembled = analysis.integration.z[: q.size]
     record_assembly(report, before, gaps_of(analysis.gaps, arrays, assembled, report.time, arrays.angles))
     note_slips(report, analysis.gaps, q, report.time, arrays.angles)
     note_moves(report, arrays, q, assembled)
-    record_mobility(report, found)
+    record_mobility(report, freedom)
     run.warn(())

@@ -66,20 +66,20 @@ def _diagnose(report: CheckReport, mechanism: FlexibleMechanism) -> None:
     report.time = mechanism.time.start
     before = gaps_of(analysis.gaps, arrays, arrays.q, report.time, arrays.angles)
     try:
-        found = start_of(analysis, report)
+        freedom = start_of(analysis, report)
     finally:
         report.outcome.faults += analysis.warnings
     report.counts = _parts(mechanism) | {
-        "equations": int(found.equations),
-        "coordinates": int(found.coordinates),
-        "degrees_of_freedom": int(found.coordinates - found.rank) + len(mechanism.motions),
+        "equations": int(freedom.equations),
+        "coordinates": int(freedom.coordinates),
+        "degrees_of_freedom": int(freedom.coordinates - freedom.rank) + len(mechanism.motions),
         **report_times(mechanism.time),
     }
     assembled = analysis.integration.z[: arrays.q.size]
     after = gaps_of(analysis.gaps, arrays, assembled, report.time, arrays.angles)
     record_assembly(report, before, after)
     note_moves(report, arrays, arrays.q, assembled)
-    record_mobility(report, found)
+    record_mobility(report, freedom)
 
 
 def _parts(mechanism: FlexibleMechanism) -> dict[str, dict[str, int] | int]:
@@ -102,15 +102,15 @@ def _body(body: FloatingBody) -> dict[str, Any]:
     record = {"name": body.name, "mass": body.m, "centre": _centre(body), "modes": body.modes}
     if body.flexible is None:
         return record | {"kind": "rigid"}
-    found = body.flexible
+    flexible = body.flexible
     return record | {
         "kind": "flexible",
-        "nodes": len(found.numbers),
-        "frequencies": found.frequencies.tolist(),
-        "frequency_errors": found.frequency_errors[: found.modes - found.massless].tolist(),
-        "mass_deviation": found.mass_deviation,
-        "rigid_residual": found.rigid_residual,
-        **({"elements": found.stress.text} if found.stress else {}),
+        "nodes": len(flexible.numbers),
+        "frequencies": flexible.frequencies.tolist(),
+        "frequency_errors": flexible.frequency_errors[: flexible.modes - flexible.massless].tolist(),
+        "mass_deviation": flexible.mass_deviation,
+        "rigid_residual": flexible.rigid_residual,
+        **({"elements": flexible.stress.text} if flexible.stress else {}),
     }
 
 

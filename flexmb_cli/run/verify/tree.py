@@ -65,21 +65,21 @@ def compare(
     """Return what two motions of a tree differ in, quantity by quantity."""
     size = _size(tree, kane)
     differ = partial(largest_difference, time=kane["time"], size=size)
-    found = [*_coordinates(tree, size, kane, absolute)]
+    differences = [*_coordinates(tree, size, kane, absolute)]
     for kind, unit in POINTS.items():
         for place in ("body", "point"):
             path = f"{place}/{kind}"
-            found.append(differ(f"{place} {kind}", unit, one=kane[path], other=absolute[path]))
+            differences.append(differ(f"{place} {kind}", unit, one=kane[path], other=absolute[path]))
     attitudes = kane["body/euler_parameters"], absolute["body/euler_parameters"]
     # p and -p are one attitude.
     signs = np.where(np.sum(attitudes[0] * attitudes[1], axis=-1, keepdims=True) < 0, -1.0, 1.0)
-    found.append(differ("body attitude", "1", one=attitudes[0], other=signs * attitudes[1]))
+    differences.append(differ("body attitude", "1", one=attitudes[0], other=signs * attitudes[1]))
     path = "body/angular_velocity"
-    found.append(differ("body angular velocity", "rad/s", one=kane[path], other=absolute[path]))
+    differences.append(differ("body angular velocity", "rad/s", one=kane[path], other=absolute[path]))
     moved = max(np.max(np.abs(kane[f"energy/{name}"])) for name in ("kinetic", "strain"))
     for name in ENERGIES if _moves_freely(tree) else ENERGIES[:-1]:
         one, other = kane[f"energy/{name}"], absolute[f"energy/{name}"]
-        found.append(differ(f"{name} energy", "J", one=one, other=other, scale=moved))
+        differences.append(differ(f"{name} energy", "J", one=one, other=other, scale=moved))
     compared = ELEMENTS | {"driver/effort": ("driver effort", "N, N m")}
     start, end = tree.time.start, tree.time.end
     jumps = np.array(breakpoints(tree, start, end))
@@ -91,13 +91,13 @@ def compare(
             if path == "coupling/effort":
                 # Where couplings repeat each other, only what they do along the coordinates is unique.
                 pair = pair[0] @ _factors(tree), pair[1] @ _factors(tree)
-            found.append(largest_difference(name, unit, kane["time"][steady], *pair, size, None))
+            differences.append(largest_difference(name, unit, kane["time"][steady], *pair, size, None))
     if "element/work" in kane and kane["element/work"].size and _moves_freely(tree):
         pair = kane["element/work"], absolute["element/work"]
         # No step controls the error of a work: against all energy that moves, it is as small as theirs.
         most = max(moved, float(np.max(np.abs(pair[0]))))
-        found.append(differ("element work", "J", one=pair[0], other=pair[1], scale=most))
-    return tuple(found)
+        differences.append(differ("element work", "J", one=pair[0], other=pair[1], scale=most))
+    return tuple(differences)
 
 
 def _factors(tree: Tree) -> np.ndarray:

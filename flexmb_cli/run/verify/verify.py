@@ -142,21 +142,23 @@ def verify_deck(
     The outcome's exit code is 1 when they lie further apart than `tolerance`.  Never raises for what a
     deck can do.
     """
-    found = Verification(Outcome(path), tolerance)
-    with ending_recorded(found.outcome, options), Stop.released():
-        deck = open_deck(path, options, found.outcome)
+    verification = Verification(Outcome(path), tolerance)
+    with ending_recorded(verification.outcome, options), Stop.released():
+        deck = open_deck(path, options, verification.outcome)
         if options.echo:
-            found.outcome.echo = echo(deck)
-        run = Run(found.outcome, options, (listener or Listener()).kept_in(found.outcome.notices))
+            verification.outcome.echo = echo(deck)
+        run = Run(
+            verification.outcome, options, (listener or Listener()).kept_in(verification.outcome.notices)
+        )
         model = model_of(deck, run)
         _refuse_rest(model)
         formulation = module_for(model, "verify")
-        found.formulations = formulation.FORMULATIONS
-        found.differences = formulation.differences(model, deck, run)
-        largest = found.largest
+        verification.formulations = formulation.FORMULATIONS
+        verification.differences = formulation.differences(model, deck, run)
+        largest = verification.largest
         if largest is None or not largest.relative <= tolerance:
-            found.outcome.exit_code = ANALYSIS_FAILED
-    return found
+            verification.outcome.exit_code = ANALYSIS_FAILED
+    return verification
 
 
 def _refuse_rest(model: Any) -> None:

@@ -187,10 +187,7 @@ def along(state: State, joint: "Joint") -> Rows:
 def separation(state: State, joint: "Joint") -> np.ndarray:
     """d (3,), the vector from P_i to P_j, m, global axes."""
     i, j = joint.i, joint.j
-    found: np.ndarray = (
-        state.q[j, :3] + state.vector(j, joint.P_j) - state.q[i, :3] - state.vector(i, joint.P_i)
-    )
-    return found
+    return state.q[j, :3] + state.vector(j, joint.P_j) - state.q[i, :3] - state.vector(i, joint.P_i)
 
 
 def separation_rate(state: State, joint: "Joint", wrong: bool = False) -> np.ndarray:

@@ -41,11 +41,11 @@ class Single:
 
 def held(mechanism: Mechanism, q: np.ndarray) -> list[Single]:
     """Simplified and distance constraints, then grounded bodies; q (bodies, 7)."""
-    found = [_value(q, item.body, item.direction, item.value) for item in mechanism.simplified]
-    found += [_difference(q, item) for item in mechanism.distances]
+    gaps = [_value(q, item.body, item.direction, item.value) for item in mechanism.simplified]
+    gaps += [_difference(q, item) for item in mechanism.distances]
     for ground in mechanism.grounds:
-        found += [_value(q, ground.body, k, value) for k, value in enumerate(ground.values, start=1)]
-    return found
+        gaps += [_value(q, ground.body, k, value) for k, value in enumerate(ground.values, start=1)]
+    return gaps
 
 
 def _value(q: np.ndarray, body: int, direction: int, value: float) -> Single:
@@ -61,32 +61,32 @@ def _difference(q: np.ndarray, item: Distance) -> Single:
 
 def driven(mechanism: Mechanism, q: np.ndarray, qd: np.ndarray, t: float) -> list[Single]:
     """One equation of a translation, two of a rotation, (4.59) to (4.64); q, qd (bodies, 7)."""
-    found = []
+    rows = []
     for driver in mechanism.drivers:
         function = driver.C + (driver.B + 0.5 * driver.A * t) * t
         rate, second = driver.B + driver.A * t, driver.A
         first, k = 7 * driver.body, driver.direction
         if k <= 3:
-            found.append(Single({first + k - 1: 1.0}, q[driver.body, k - 1] - function, rate, second))
+            rows.append(Single({first + k - 1: 1.0}, q[driver.body, k - 1] - function, rate, second))
             continue
         e0, ek = q[driver.body, 3], q[driver.body, k]
         e0d, ekd = qd[driver.body, 3], qd[driver.body, k]
         turning = 0.5 * (rate * e0d + second * e0), -0.5 * (rate * ekd + second * ek)
-        found.append(Single({first + k: 1.0}, ek - math.sin(0.5 * function), 0.5 * rate * e0, turning[0]))
-        found.append(Single({first + 3: 1.0}, e0 - math.cos(0.5 * function), -0.5 * rate * ek, turning[1]))
-    return found
+        rows.append(Single({first + k: 1.0}, ek - math.sin(0.5 * function), 0.5 * rate * e0, turning[0]))
+        rows.append(Single({first + 3: 1.0}, e0 - math.cos(0.5 * function), -0.5 * rate * ek, turning[1]))
+    return rows
 
 
 def normalised(bodies: list[int], q: np.ndarray, qd: np.ndarray) -> list[Single]:
     """|p|² = 1 of the `bodies`, numbers from 0; q, qd (bodies, 7)."""
-    found = []
+    rows = []
     for body in bodies:
         p, pd = q[body, 3:], qd[body, 3:]
         coefficients = {7 * body + 3 + k: 2.0 * p[k] for k in range(4)}
         sizes = (float(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3]) for v in (p, pd))
         size, rate = sizes
-        found.append(Single(coefficients, size - 1.0, 0.0, -2.0 * rate))
-    return found
+        rows.append(Single(coefficients, size - 1.0, 0.0, -2.0 * rate))
+    return rows
 
 
 # NRMAX, FEPS, EPSLU by the names of `KinematicSettings`.
@@ -157,10 +157,10 @@ class Program:
         raise _failure(t, f"the position still changes by {largest:.2g} after {iteration} iterations")
 
     def _solve(self, matrix: np.ndarray, right: np.ndarray, t: float) -> np.ndarray:
-        found = solved(matrix, right, self.limits["smallest_pivot"])
-        if found is None:
+        solution = solved(matrix, right, self.limits["smallest_pivot"])
+        if solution is None:
             raise _failure(t, f"a pivot is not larger than EPSLU = {self.limits['smallest_pivot']:g}")
-        return found
+        return solution
 
     def _system(self, t: float) -> Equations:
         n, state = self.state.q.size, self.state
@@ -259,8 +259,8 @@ class AsPrinted:
         grid = self.mechanism.time
         for first in range(0, grid.rows, self.block):
             times = [grid.time(k) for k in range(first, min(first + self.block, grid.rows))]
-            found = [self._row(t) for t in times]
-            states, audit = (np.array(part) for part in zip(*found, strict=True))
+            rows = [self._row(t) for t in times]
+            states, audit = (np.array(part) for part in zip(*rows, strict=True))
             yield rows_of(self.mechanism, np.array(times), states, audit, self.joints.of)
 
     def _row(self, t: float) -> tuple[np.ndarray, tuple[float, float, int]]:

@@ -113,15 +113,15 @@ class KinematicAnalysis(KinematicState):
 
     def _next_block(self, row: int) -> tuple[Rows | None, AnalysisError | None]:
         """The next report rows, and why none follow; the last may stand at a bifurcation of two motions."""
-        wanted = min(self._at_once(LARGEST_BLOCK), self.mechanism.time.rows - row)
+        rows = min(self._at_once(LARGEST_BLOCK), self.mechanism.time.rows - row)
         memory = self.singularities.memory()
-        block = self._block(row, row + wanted)
+        block = self._block(row, row + rows)
         reached = 0 if block is None else block.time.size
         count, across = reached, None
         # A row so near to a bifurcation that its rates are round-off, and the one the continuation could not
         # reach.
         for k in (0 if block is None else self.singularities.first_without_rates(memory, block), reached):
-            if k < wanted and across is None:
+            if k < rows and across is None:
                 across = self._row_across(row + k, memory)
                 count = reached if across is None else k
         part = None
@@ -130,7 +130,7 @@ class KinematicAnalysis(KinematicState):
             self.singularities.look(memory, part)
             keeps_axis(self.mechanism, part)
         if across is None:
-            short = count < wanted
+            short = count < rows
             return part, step_failure(self, self.mechanism.time.time(row + count)) if short else None
         try:
             return joined_rows(part, keeps_axis(self.mechanism, across)), None
@@ -139,11 +139,11 @@ class KinematicAnalysis(KinematicState):
 
     def _row_across(self, row: int, memory: tuple[np.ndarray, np.ndarray, np.ndarray]) -> Rows | None:
         """The report row, if it stands where two motions cross; else the continuation stays where it was."""
-        kept = self.state, self.motion, self.clock
-        found = row_across(self.singularities, self.mechanism.time.time(row), memory)
-        if found is None:
-            self.state, self.motion, self.clock = kept
-        return found
+        before = self.state, self.motion, self.clock
+        row_there = row_across(self.singularities, self.mechanism.time.time(row), memory)
+        if row_there is None:
+            self.state, self.motion, self.clock = before
+        return row_there
 
     def _follow(self, times: np.ndarray, out: np.ndarray, audit: np.ndarray) -> int:
         """Fill rows until all are reached or the way is barred; returns how many were."""
@@ -169,24 +169,24 @@ class KinematicAnalysis(KinematicState):
     @property
     def search(self) -> Sized:
         """Sizes and distances, which the functions of the drivers do not change."""
-        kept, arrays = self.arrays.of_variants, self.arrays
-        if "sized" not in kept:
+        cache, arrays = self.arrays.of_variants, self.arrays
+        if "sized" not in cache:
             start = arrays.q, self.mechanism.time.time(0), arrays.screw_angles
-            kept["sized"] = sized_equations(self.evaluator, *start)
-        return kept["sized"]
+            cache["sized"] = sized_equations(self.evaluator, *start)
+        return cache["sized"]
 
     def _nearer_row(self, first: Rows) -> Rows:
         """The first row on the assembly nearest to the estimates; Newton's method went far to `first`."""
         t, estimates = self.mechanism.time.time(0), self.arrays.q
         q, gap = assemble_by_search(self.evaluator, estimates, t, self.arrays.screw_angles)
-        kept, distance = (self.state, self.motion, self.clock), self.search.distance
+        before, distance = (self.state, self.motion, self.clock), self.search.distance
         most = (1.0 - NEARER) * distance(estimates, self.state[0])
         if is_closed(gap) and distance(estimates, q) < most:
             self._restart(q)
             nearer = self._block(0, 1)
             if nearer is not None and distance(estimates, self.state[0]) < most:
                 return nearer
-            self.state, self.motion, self.clock = kept
+            self.state, self.motion, self.clock = before
         return first
 
     def _assemble_otherwise(self) -> Rows:
@@ -199,17 +199,17 @@ class KinematicAnalysis(KinematicState):
             raise assembly_failure(evaluator, gap, t, (self.arrays.q, expected))
         if q.size > self.settings.most_ranked:
             raise too_large_to_rank(q.size, self.settings.most_ranked, t)
-        found = mobility(evaluator, q, t, expected)
-        for motion in found.motions:
+        freedom = mobility(evaluator, q, t, expected)
+        for motion in freedom.motions:
             if moves_freely(evaluator, q, t, expected, motion):
-                raise free_motion_error(evaluator, q, found, motion, t)
-        if not found.dofs:
+                raise free_motion_error(evaluator, q, freedom, motion, t)
+        if not freedom.dofs:
             self._restart(q)
             first = self._block(0, 1)
             if first is None:
                 raise assembly_failure(evaluator, gap, t, (self.arrays.q, expected))
             return first
-        return self._with_repetitions(q, found)
+        return self._with_repetitions(q, freedom)
 
     def _with_repetitions(self, q: np.ndarray, found: Mobility) -> Rows:
         """The first row where equations repeat others, if they still do a little later.

@@ -97,14 +97,14 @@ def _widest_lengths(evaluator: "Evaluator | PositionGaps", scaled: np.ndarray) -
     """Return the widest gap in m of every owner that has equations of length, the widest first, and the
     length scale.
     """
-    found: dict[str, Gap] = {}
+    widest: dict[str, Gap] = {}
     sizes = scaled * evaluator.arrays.row_scale
     for equation, size in zip(evaluator.arrays.equations, sizes, strict=True):
-        known = found.get(equation.owner)
+        known = widest.get(equation.owner)
         if equation.is_length and (known is None or abs(size) > abs(known.value)):
-            found[equation.owner] = Gap(equation, float(size))
-    length = max((gap.equation.scale for gap in found.values()), default=1.0)
-    return sorted(found.values(), key=lambda gap: -abs(gap.value)), length
+            widest[equation.owner] = Gap(equation, float(size))
+    length = max((gap.equation.scale for gap in widest.values()), default=1.0)
+    return sorted(widest.values(), key=lambda gap: -abs(gap.value)), length
 
 
 PRESCRIBED_WEIGHT = 1e4
@@ -129,11 +129,11 @@ def nearest_position(
     poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
     q = poses.ravel()
     sized = sized_equations(evaluator, q, t, expected)
-    found = sized.search(q, DAMPINGS[0])
+    match = sized.search(q, DAMPINGS[0])
     weights = np.where(_of_joints(evaluator.arrays), 1.0, PRESCRIBED_WEIGHT)
-    if not np.max(np.abs(evaluator.residual(found, t, expected))) <= NEARLY_MET:
-        found = sized.search(found, DAMPINGS[0], weights=weights)
-    return found, evaluator.residual(found, t, expected)
+    if not np.max(np.abs(evaluator.residual(match, t, expected))) <= NEARLY_MET:
+        match = sized.search(match, DAMPINGS[0], weights=weights)
+    return match, evaluator.residual(match, t, expected)
 
 
 def _of_joints(arrays: KinematicArrays) -> np.ndarray:

@@ -69,8 +69,8 @@ class InverseDynamics:
         filled = observe_rows(self.system, self.work, expected, report)
         if filled < rows.time.size:
             raise undetermined(rows.time[filled])
-        kept = {field.name: getattr(rows, field.name) for field in fields(Rows)}
-        return replace(dynamic_rows(self.model, report), **kept)
+        fields_of_rows = {field.name: getattr(rows, field.name) for field in fields(Rows)}
+        return replace(dynamic_rows(self.model, report), **fields_of_rows)
 
     def _choose_order(self, report: Report) -> None:
         bodies = len(self.mechanism.bodies)

@@ -47,8 +47,8 @@ class JointMotion:
 
     def with_turns(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
         """Return them with whole turns, counted anew where times do not rise."""
-        found, rates = self.of(rows)
-        return WholeTurns(self.turning).counted(rows.time, found, rates), rates
+        values, rates = self.of(rows)
+        return WholeTurns(self.turning).counted(rows.time, values, rates), rates
 
     def continued(self, blocks: Iterable[Rows], turns: "WholeTurns") -> Iterator[Rows]:
         """Yield blocks of rows, whose angles go on counting the turns of those before."""
@@ -113,9 +113,9 @@ class WholeTurns:
         turns = np.cumsum(np.where(h >= 0.0, missing, 0.0), axis=0)
         begins = np.maximum.accumulate(np.where(h[:, :1] < 0.0, np.arange(len(h))[:, None], 0), axis=0)
         turns -= np.where(begins > 0, np.take_along_axis(turns, np.broadcast_to(begins, turns.shape), 0), 0.0)
-        found: np.ndarray = values + math.tau * np.where(self.turning, turns, 0.0)
-        self.last = np.stack([now[-1], found[-1], rates[-1]])
-        return found
+        counted_values: np.ndarray = values + math.tau * np.where(self.turning, turns, 0.0)
+        self.last = np.stack([now[-1], counted_values[-1], rates[-1]])
+        return counted_values
 
     @property
     def checkpoint(self) -> dict[str, np.ndarray]:

@@ -105,22 +105,19 @@ class Poses:
             halves += [own[:, :3] * arrays.length, 0.5 * np.einsum("kcm,mc->mk", L, own[:, 3:])]
         values = np.concatenate(halves, axis=1) / arrays.row_scale[:, None]
         columns = (6 * arrays.bodies_of[:, :, None] + np.arange(6)).reshape(len(rows), 12)
-        found: np.ndarray | csr_matrix = matrix_of(
-            columns, values, 6 * (q.size // 7), sparse=self.evaluator.is_large
-        )
-        return found
+        return matrix_of(columns, values, 6 * (q.size // 7), sparse=self.evaluator.is_large)
 
     def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
         """Return the coordinates after a scaled step (6 bodies,)."""
-        found, parts = q.reshape(-1, 7).copy(), step.reshape(-1, 6)
+        positions, parts = q.reshape(-1, 7).copy(), step.reshape(-1, 6)
         turn = parts[:, 3:]
         angle = np.linalg.norm(turn, axis=1)[:, None]
         c, s = np.cos(0.5 * angle), 0.5 * np.sinc(angle / (2.0 * np.pi)) * turn
-        e0, e = found[:, 3:4], q.reshape(-1, 7)[:, 4:]
-        found[:, :3] += self.arrays.length * parts[:, :3]
-        found[:, 4:] = e0 * s + c * e + np.cross(e, s)
-        found[:, 3:4] = c * e0 - np.sum(e * s, axis=1, keepdims=True)
-        return found.ravel()
+        e0, e = positions[:, 3:4], q.reshape(-1, 7)[:, 4:]
+        positions[:, :3] += self.arrays.length * parts[:, :3]
+        positions[:, 4:] = e0 * s + c * e + np.cross(e, s)
+        positions[:, 3:4] = c * e0 - np.sum(e * s, axis=1, keepdims=True)
+        return positions.ravel()
 
 
 @dataclass(frozen=True)

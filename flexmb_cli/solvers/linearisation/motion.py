@@ -146,10 +146,7 @@ class LinearisedMotion(ABC):
         size = np.max(np.abs(u) / self.scale, initial=0.0)
         if size == 0.0:
             return np.zeros_like(function(state))
-        found: np.ndarray = differentiated(
-            lambda time: function(self.moved_on(state, time * u)), DIFFERENCE_STEP / size
-        )
-        return found
+        return differentiated(lambda time: function(self.moved_on(state, time * u)), DIFFERENCE_STEP / size)
 
     def standing_accelerations(self, y: np.ndarray) -> np.ndarray:
         """Return the scaled accelerations (f,) of the coordinates displaced by y (scaled) and at rest."""
@@ -164,10 +161,7 @@ class LinearisedMotion(ABC):
     def variation(self, function: Callable[..., Any], d: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return the derivative of function(d, w) along the displacement d and the speeds w."""
         size = np.max(np.abs(d) / self.scale, initial=0.0) or np.max(np.abs(w) / self.scale, initial=0.0)
-        found: np.ndarray = differentiated(
-            lambda share: function(share * d, share * w), DIFFERENCE_STEP / (size or 1.0)
-        )
-        return found
+        return differentiated(lambda share: function(share * d, share * w), DIFFERENCE_STEP / (size or 1.0))
 
     def position_rates(self, d: np.ndarray) -> np.ndarray:
         """Return what a displacement d adds to y' (f,) beside v."""

@@ -97,28 +97,30 @@ def natural_equations(mechanism: Mechanism) -> NaturalEquations:
     """Return the equations of a mechanism; raises ModelError for what they do not hold."""
     _refuse_foreign(mechanism)
     n = len(mechanism.bodies)
-    found = NaturalEquations(n)
+    equations = NaturalEquations(n)
     for body in range(n):
         for a in range(3):
             for b in range(a, 3):
-                found.add_product(vector(n, body, np.eye(3)[a]), vector(n, body, np.eye(3)[b]), float(a == b))
+                equations.add_product(
+                    vector(n, body, np.eye(3)[a]), vector(n, body, np.eye(3)[b]), float(a == b)
+                )
     for joint in mechanism.joints:
-        _add_joint(found, joint)
+        _add_joint(equations, joint)
     turned = {driver.body for driver in mechanism.drivers if driver.direction > 3}
     for item in mechanism.simplified:
         if item.direction < 4 or item.body not in turned:
-            _hold(found, item.body, item.direction, item.value)
+            _hold(equations, item.body, item.direction, item.value)
     for pair in mechanism.distances:
         form = point(n, pair.i, (0,) * 3) - point(n, pair.j, (0,) * 3)
-        found.add_linear(form[pair.direction - 1 : pair.direction], pair.value)
+        equations.add_linear(form[pair.direction - 1 : pair.direction], pair.value)
     for ground in mechanism.grounds:
-        found.add_linear(point(n, ground.body, (0,) * 3), ground.values[:3])
+        equations.add_linear(point(n, ground.body, (0,) * 3), ground.values[:3])
         e = np.sin(np.array(ground.values[3:]) / 2.0)
-        _fix(found, ground.body, rotation_of((np.sqrt(max(0.0, float(1.0 - e @ e))), *e)))
+        _fix(equations, ground.body, rotation_of((np.sqrt(max(0.0, float(1.0 - e @ e))), *e)))
     for driver in mechanism.drivers:
-        _drive(found, driver)
-    found.close()
-    return found
+        _drive(equations, driver)
+    equations.close()
+    return equations
 
 
 def _refuse_foreign(mechanism: Any) -> None:

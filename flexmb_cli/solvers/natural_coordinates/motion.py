@@ -70,12 +70,14 @@ class NaturalMotion:
                 X, V = np.split(state, 2)
                 return np.append(V, self._acceleration(X, V, time, free))
 
-            found = solve_ivp(slope, (t, grid.time(k + 1)), np.append(X, V), "DOP853", rtol=1e-10, atol=1e-12)
-            if not found.success:
+            solution = solve_ivp(
+                slope, (t, grid.time(k + 1)), np.append(X, V), "DOP853", rtol=1e-10, atol=1e-12
+            )
+            if not solution.success:
                 raise AnalysisError(
-                    Fault("error", f"natural coordinates: {found.message}", id="SOLVE-021"), t
+                    Fault("error", f"natural coordinates: {solution.message}", id="SOLVE-021"), t
                 )
-            X, V = np.split(found.y[:, -1], 2)
+            X, V = np.split(solution.y[:, -1], 2)
         return _rows(rows)
 
     def _closed(self, X: np.ndarray, t: float) -> np.ndarray:
@@ -132,13 +134,13 @@ class NaturalMotion:
         """Return what each driver delivers: the work of M A - Q along the motion of that driver alone."""
         if self.M is None:
             return np.zeros(0)
-        rest, J, found = self.M @ A - self.forces(X, V), self.equations.jacobian(X), []
+        rest, J, efforts = self.M @ A - self.forces(X, V), self.equations.jacobian(X), []
         for driver, rows in zip(self.mechanism.drivers, self.equations.driven, strict=True):
             rates = np.zeros(len(J))
             rates[rows] = self.equations.rates(t)[rows]
             speed = driver.B + driver.A * t
-            found.append(rest @ _least(J, rates) / speed if speed else np.nan)
-        return np.array(found)
+            efforts.append(rest @ _least(J, rates) / speed if speed else np.nan)
+        return np.array(efforts)
 
     def forces(self, X: np.ndarray, V: np.ndarray) -> np.ndarray:
         """Return the generalised forces of all loads."""

@@ -52,16 +52,16 @@ def worst_gaps(
     arrays: KinematicArrays | SystemArrays, scaled_residual: np.ndarray, most: int = 3
 ) -> list[Gap]:
     """The owners with the largest scaled residuals (m,), worst first; those that are met are left out."""
-    found: dict[str, Gap] = {}
+    worst: dict[str, Gap] = {}
     size = np.abs(scaled_residual)
     # Least squares share a gap out among joints: those alike to some percent stay in the deck's order.
     rank = np.round(np.log10(np.maximum(size, RESIDUAL_MET)), 2)
     for row in np.argsort(-rank, kind="stable"):
         equation = arrays.equations[row]
-        if size[row] <= RESIDUAL_MET or len(found) == most:
+        if size[row] <= RESIDUAL_MET or len(worst) == most:
             break
-        found.setdefault(equation.owner, Gap(equation, scaled_residual[row] * arrays.row_scale[row]))
-    return list(found.values())
+        worst.setdefault(equation.owner, Gap(equation, scaled_residual[row] * arrays.row_scale[row]))
+    return list(worst.values())
 
 
 def gap_norms(worst: list[Gap]) -> dict[str, Any]:

@@ -97,19 +97,19 @@ def choose_far_apart(work: Work, rank: int) -> int:
 
     What is left of the gap in the others grows as those chosen come to depend.  Overwrites the Jacobian.
     """
-    left, kept = dense_jacobian(work), []
+    left, chosen = dense_jacobian(work), []
     for _ in range(rank):
-        kept.append(first_of_largest(np.linalg.norm(left, axis=1)))
-        direction = left[kept[-1]] / np.linalg.norm(left[kept[-1]])
+        chosen.append(first_of_largest(np.linalg.norm(left, axis=1)))
+        direction = left[chosen[-1]] / np.linalg.norm(left[chosen[-1]])
         left -= np.outer(left @ direction, direction)
-    work.jacobian[np.setdiff1d(np.arange(len(left)), kept)] = 0.0
+    work.jacobian[np.setdiff1d(np.arange(len(left)), chosen)] = 0.0
     return int(choose_order(work, rank))
 
 
 def independence(work: Work) -> float:
     """Return the least singular value of the equations chosen; its inverse amplifies the gap left."""
-    kept = dense_jacobian(work)[work.order[: work.rank[0]]]
-    return float(np.linalg.svd(kept, compute_uv=False)[-1])
+    rows = dense_jacobian(work)[work.order[: work.rank[0]]]
+    return float(np.linalg.svd(rows, compute_uv=False)[-1])
 
 
 def gap_note(gaps: PositionGaps, found: NearlyClosed, tolerance: float) -> Fault:

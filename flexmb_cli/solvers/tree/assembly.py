@@ -57,11 +57,11 @@ def _close_loops(analysis: TreeState) -> None:
         raise ModelError([_one_way_fault(tree)])
     start = analysis.state.copy()
     own = slice(len(tree.coordinates), 2 * len(tree.coordinates))
-    for kept in (_kept(tree, arrays), _given(tree, arrays)):
+    for fixed in (_kept(tree, arrays), _given(tree, arrays)):
         analysis.state[:] = start
-        gap = _close(analysis, kept)
+        gap = _close(analysis, fixed)
         if not gap <= ASSEMBLED_GAP or np.max(np.abs(analysis.state - start)[own]) > NEAR:
-            gap = _close_nearest(analysis, kept, start)
+            gap = _close_nearest(analysis, fixed, start)
         if gap <= ASSEMBLED_GAP:
             return
     failure = _assembly_failure(tree, arrays.closures)
@@ -80,13 +80,13 @@ def _close_nearly(analysis: TreeState, failure: AnalysisError) -> Fault:
     size = loop_size(tree)
     start, allowed = analysis.state.copy(), tree.loop_tolerance * size
     for tolerance in (tree.loop_tolerance, LOOSEST):
-        for kept in (_kept(tree, arrays), _given(tree, arrays)):
+        for fixed in (_kept(tree, arrays), _given(tree, arrays)):
             analysis.state[:] = start
             gap = tolerance * size
             for _ in range(LIMIT_PASSES):
                 # A wider limit than the gap needs would leave out equations that move bodies.
                 rows["repeated"] = max(REPEATED, (TO_GAP * min(gap / size, tolerance)) ** 2)
-                gap = _close(analysis, kept)
+                gap = _close(analysis, fixed)
             is_open = np.abs(rows["gap"]) > ASSEMBLED_GAP
             if gap > LOOSEST * size or pivot_shares(arrays)[is_open].any():
                 continue
@@ -134,11 +134,11 @@ def _given(tree: Tree, arrays: TreeArrays) -> np.ndarray:
 
 
 def _kept(tree: Tree, arrays: TreeArrays) -> np.ndarray:
-    kept = _given(tree, arrays) | arrays.elastic
+    fixed = _given(tree, arrays) | arrays.elastic
     first = next((m for m, c in enumerate(tree.coordinates) if c.motion == ROTATION), None)
     if first is not None:
-        kept[first] = True
-    return kept
+        fixed[first] = True
+    return fixed
 
 
 def _one_way_fault(tree: Tree) -> Fault:

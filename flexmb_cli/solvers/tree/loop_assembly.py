@@ -90,10 +90,10 @@ def nearest_closed(analysis: TreeState, free: np.ndarray, start: np.ndarray) -> 
         for _ in range(OTHER_STARTS)
     ]
     starts = [(start, damping) for damping in DAMPINGS] + [(aside, DAMPINGS[0]) for aside in asides]
-    found = [_closed(analysis, _searched(analysis, z, units, size, d), free) for z, d in starts]
-    closed = [z for z, gap in found if gap <= ASSEMBLED_GAP]
+    positions = [_closed(analysis, _searched(analysis, z, units, size, d), free) for z, d in starts]
+    closed = [z for z, gap in positions if gap <= ASSEMBLED_GAP]
     if not closed:
-        return min(found, key=lambda one: one[1])[0]
+        return min(positions, key=lambda one: one[1])[0]
     places = _places(analysis, start)
     return min(closed, key=lambda z: _distance(places, _places(analysis, z), size))
 
@@ -167,12 +167,12 @@ def repetition(tree: Tree, repeated: np.ndarray) -> Fault | None:
             "the one across the plane of each loop; the motion is unique, forces along it are taken as 0"
         )
         return Fault("note", message, id="SOLVE-035")
-    found = [row for row, again in zip(closed_rows(tree), repeated, strict=True) if again]
-    shown = ", ".join(name for name, _ in found[:SHOWN]) + (" and others" if count > SHOWN else "")
+    repeated_rows = [row for row, again in zip(closed_rows(tree), repeated, strict=True) if again]
+    shown = ", ".join(name for name, _ in repeated_rows[:SHOWN]) + (" and others" if count > SHOWN else "")
     coupled = bool(tree.elements.couplings)
     message = (
         f"{count} of {repeated.size} closed directions{' and couplings' * coupled} "
         f"repeat{'s' * (count == 1)} others: {shown}; the motion is unique, forces along them are taken as "
         f"0; leave {'them' if coupled else 'their flags'} out"
     )
-    return Fault("warning", message, found[0][1].place, found[0][1].name, id="SOLVE-036")
+    return Fault("warning", message, repeated_rows[0][1].place, repeated_rows[0][1].name, id="SOLVE-036")

@@ -76,7 +76,4 @@ def rotation_matrices(p: np.ndarray) -> np.ndarray:
     turn = np.zeros((len(p), 3, 3))
     turn[:, 2, 1], turn[:, 0, 2], turn[:, 1, 0] = e.T
     turn -= turn.transpose(0, 2, 1)
-    found: np.ndarray = (
-        2.0 * e[:, :, None] * e[:, None, :] + (2.0 * e0 * e0 - 1.0) * np.eye(3) + 2.0 * e0 * turn
-    )
-    return found
+    return 2.0 * e[:, :, None] * e[:, None, :] + (2.0 * e0 * e0 - 1.0) * np.eye(3) + 2.0 * e0 * turn

@@ -35,13 +35,13 @@ _ROUND_OFF = 1e-15  # m, of frames
 
 def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     """Return the deck's text; raises ModelError with all that a tree of rigid bodies cannot have."""
-    made = _Deck(model)
-    made.refuse_foreign()
-    records = made.records(title) if not made.refusals.items else []
-    lines = made.block() if not made.refusals.items else []
-    made.refusals.raise_faults()
-    rounding = f"Numbers are rounded to their columns, relatively by {made.rounding:.1g} at most."
-    notes = [f"Units: {units}.", *(f"{note}." for note in model.notes), *made.notes(), rounding]
+    deck = _Deck(model)
+    deck.refuse_foreign()
+    records = deck.records(title) if not deck.refusals.items else []
+    lines = deck.block() if not deck.refusals.items else []
+    deck.refusals.raise_faults()
+    rounding = f"Numbers are rounded to their columns, relatively by {deck.rounding:.1g} at most."
+    notes = [f"Units: {units}.", *(f"{note}." for note in model.notes), *deck.notes(), rounding]
     return text_of(deck_lines(records, lines)) + "".join(f"{note}\n" for note in notes)
 
 
@@ -160,12 +160,12 @@ class _Deck(BlockWriter):
         return hung.own.T @ (body.r + body.A @ body.centre - hung.origin)
 
     def _inertia(self, bodies: Sequence[Hanging]) -> Any:
-        found = []
+        inertias = []
         for hung in bodies:
             body, c, turn = self._own(hung), self._centre(hung), hung.own.T @ self._own(hung).A
-            found.append(turn @ body.inertia @ turn.T + body.mass * (c @ c * np.eye(3) - np.outer(c, c)))
-        products = [[J[0, 1], J[0, 2], J[1, 2]] for J in found]
-        cards = self._bodies("INER", [np.diag(J) for J in found])
+            inertias.append(turn @ body.inertia @ turn.T + body.mass * (c @ c * np.eye(3) - np.outer(c, c)))
+        products = [[J[0, 1], J[0, 2], J[1, 2]] for J in inertias]
+        cards = self._bodies("INER", [np.diag(J) for J in inertias])
         return cards + (self._bodies("PROD", products) if np.abs(products).max() > 1e-15 else [])
 
     def _state(self, bodies: Sequence[Hanging]) -> Any:

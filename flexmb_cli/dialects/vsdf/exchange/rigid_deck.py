@@ -29,10 +29,10 @@ _BEYOND = 1e-9  # of the largest moment of inertia
 
 def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     """Return the deck's text; raises ModelError with all that VSDF does not know."""
-    made = _Deck(model)
-    elements = made.element_lines()  # nodes of their ends are cards
-    cards = made.cards()
-    made.refusals.raise_faults()
+    deck = _Deck(model)
+    elements = deck.element_lines()  # nodes of their ends are cards
+    cards = deck.cards()
+    deck.refusals.raise_faults()
     lines = [
         f"VSDF {title}",
         f"* Units: {units}.",
@@ -41,7 +41,7 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     for word, records in cards:
         if records:
             lines += [word, *records]
-    lines += block([*made.function_lines(), *elements])
+    lines += block([*deck.function_lines(), *elements])
     return "\n".join([*lines, *(word.strip() for word in FINAL), ""])
 
 
@@ -156,29 +156,29 @@ class _Deck(BlockWriter):
         else:
             axis = model.axis(joint) if on_i > 1 else None
             along = {joint.i: np.array(joint.s_i), joint.j: np.array(joint.s_j)}
-        found = []
+        ends = []
         for body, P, count in ((joint.i, joint.P_i, on_i), (joint.j, joint.P_j, on_j)):
             places = [np.array(P)]
             if count > 1:
                 places.append(places[0] + self.arm * along[body] / np.linalg.norm(along[body]))
             if count > 2:
                 places.append(places[0] + self.arm * (model.axes(body).T @ across(axis)))
-            found.append([self._node(body, place) for place in places])
-        return found
+            ends.append([self._node(body, place) for place in places])
+        return ends
 
     def _motions(self) -> list[Any]:
-        found: list[tuple[Any, str, int]] = []
+        motions: list[tuple[Any, str, int]] = []
         turned = [item.body for item in self.model.drivers if item.direction > 3]
         for item in self.model.drivers:
             if item.direction > 3 and turned.count(item.body) > 1:
                 self.refusals.add(item, "VSDF turns a body about one axis only", id="VSDF-175")
-            found.append((item, _DIRECTIONS[item.direction - 1], item.body + 1))
+            motions.append((item, _DIRECTIONS[item.direction - 1], item.body + 1))
         for driver in self.model.joint_drivers:
             word = "ANGL" if driver.coordinate == ANGLE else "STRK"
-            found.append((driver, word, driver.joint + 1))
+            motions.append((driver, word, driver.joint + 1))
         return [
             _record(n, word, target, *self._function(item))
-            for n, (item, word, target) in enumerate(found, start=1)
+            for n, (item, word, target) in enumerate(motions, start=1)
         ]  # fmt: skip
 
     def _function(self, item: Any) -> Any:
@@ -214,21 +214,21 @@ class _Deck(BlockWriter):
         return 1.0, self._table(without_jumps(points))
 
     def _forces(self) -> Any:
-        found = []
+        lines = []
         for item in self.model.forces:
             factor, table = self._factor(item.factor, item)
             force = [factor * x for x in item.force]
-            found.append(_record(item.body + 1, self._node(item.body, item.point), *force,
+            lines.append(_record(item.body + 1, self._node(item.body, item.point), *force,
                                  int(item.following), table))  # fmt: skip
-        return found
+        return lines
 
     def _torques(self) -> Any:
-        found = []
+        lines = []
         for item in self.model.torques:
             factor, table = self._factor(item.factor, item)
             torque = [factor * x for x in item.torque]
-            found.append(_record(item.body + 1, *torque, int(item.following), table))
-        return found
+            lines.append(_record(item.body + 1, *torque, int(item.following), table))
+        return lines
 
 
 def _shape(shape: ShapeCard) -> str:

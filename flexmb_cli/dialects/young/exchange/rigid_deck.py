@@ -21,9 +21,9 @@ _KIND = {"fixed": "revolute"}  # whose angle a driver holds
 
 def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     """Return the deck's text; raises ModelError with all that YOUNG does not know."""
-    made = _Deck(model)
-    lines = made.lines()
-    made.refusals.raise_faults()
+    deck = _Deck(model)
+    lines = deck.lines()
+    deck.refusals.raise_faults()
     notes = [title, f"Units: {units}", *model.notes, *notes_of(model.shapes)]
     head = [f"{{ {note.replace('{', '(').replace('}', ')')} }}" for note in notes]
     return "\n".join([*head, *lines, ""])

@@ -142,18 +142,18 @@ class _Conversion(Conversion):
         return vector(self.now[body][1] @ np.array(s))
 
     def _joints(self) -> tuple[Any, ...]:
-        found: list[Any] = []
+        rigid_joints: list[Any] = []
         for k, joint in enumerate(self.mechanism.joints):
             pitch = joint.pitch
             if pitch:  # YOUNG counts the distance of the points, others the advance of P_j
                 pitch *= screw_values(self.mechanism, joint)["sense"]
-            self._add_joint(found, joint, joint.kind, pitch, k)
+            self._add_joint(rigid_joints, joint, joint.kind, pitch, k)
         for item in self.deck.elements.composites:
             if item.kind == "revolute-cylindrical":
                 self.refusals.add(item, "a joint revcyl is not converted", id="YOUNG-167")
             else:
-                self._add_joint(found, item, item.kind, item.size, None)
-        return tuple(found)
+                self._add_joint(rigid_joints, item, item.kind, item.size, None)
+        return tuple(rigid_joints)
 
     def _add_joint(self, found: list[RigidJoint], joint: Any, kind: str, size: float, k: int | None) -> None:
         i, j = self.number[joint.i], self.number[joint.j]
@@ -170,18 +170,18 @@ class _Conversion(Conversion):
         elements = self.deck.elements
         driven = {item.item: item.function for item in elements.driven}
         supported = {item.item: item.function for item in elements.supports}
-        found: list[tuple[Driver | Simplified, MotionFunction]] = []
+        driven_parts: list[tuple[Driver | Simplified, MotionFunction]] = []
         for n, driver in enumerate(self.mechanism.drivers):
             prescribed = MotionFunction(POLYNOMIAL, (driver.C, driver.B, 0.5 * driver.A, 0.0))
-            found.append((driver, driven.get(n) or prescribed))
+            driven_parts.append((driver, driven.get(n) or prescribed))
         for n, held in enumerate(self.mechanism.simplified):
             if held.direction > 3:
                 self.refusals.add(
                     held, "a held Euler parameter (directions 4 to 6) is not converted", id="YOUNG-168"
                 )
-            found.append((held, supported.get(n) or constant(held.value)))
+            driven_parts.append((held, supported.get(n) or constant(held.value)))
         return tuple(
             BodyDriver(item.name, self.number[item.body], item.direction, self.function(function), item.place)
-            for item, function in found
+            for item, function in driven_parts
             if self.number[item.body] != GROUND
         )
