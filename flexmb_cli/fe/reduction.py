@@ -15,12 +15,13 @@ from .elements.assembled_matrices import element_matrix
 from .elements.body_elements import FOREIGN, element_mesh, element_table, foreign_stiffness
 from .elements.element_stiffness import initial_stress_matrix, matching_elements
 from .elements.stress_shapes import body_stress
-from .formats.formats import OF_ELEMENTS, read_matrix
+from .formats.formats import OF_ELEMENTS, OF_MODES, read_matrix
 from .formats.matrix_file import FEFileFault
 from .input_checks import check_matrices, check_reference, rigid_motions, scalar_mass
 from .invariants import effective_masses, inertia_invariants
 from .linear_algebra import Matrix, all_but, in_three_directions, of_mass, turned
 from .massless_shapes import massless_in_motion, split_by_mass, static_mass
+from .modal_body import modal_body
 from .nodal_matrices import NodalMatrix, condensed, nodal_part
 from .precision import frequency_errors
 from .reference_frame import Frame, as_solved, reference_frame, static_shapes, without_momentum
@@ -42,6 +43,8 @@ class _Matrices:
 
 def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | None:
     """Return the body that `given` describes; None where there is none, for the reason in `findings`."""
+    if OF_MODES in (given.stiffness.form, given.mass.form):
+        return modal_body(given, findings)
     K = _read(given, given.stiffness, "K", condensed, findings)
     # Elements without a stiffness have no mass for the same reason, which is reported once.
     reported = K is None and given.mass.form == given.stiffness.form == OF_ELEMENTS

@@ -188,6 +188,17 @@ def _nodes_cdb(draw):
     return [*lines, draw(mostly(st.just("       -1"), st.just("")))]
 
 
+def _modal(draw):
+    """A .fem file of MBDyn: record groups of about as many numbers as they need."""
+    n, modes = draw(sizes), draw(sizes)
+    lines = ["** RECORD GROUP 1,HEADER", f"REV0 {n} {modes} 0 0 {draw(mostly(st.just(0), small))}"]
+    for group, count in ((2, 1), (5, 1), (6, 1), (7, 1), (8, 6), (9, 1), (10, 1), (11, 6), (12, 13)):
+        values = indices if group == 2 else reals
+        numbers = [str(draw(values)) for _ in range(min(abs(count * n * (modes if group > 7 else 1)), 30))]
+        lines += [f"** RECORD GROUP {draw(mostly(st.just(group), small))},", " ".join(numbers)]
+    return lines
+
+
 GRAMMARS = {
     "matrix MM": _matrix_market,
     "matrix ABQ": _abaqus,
@@ -196,6 +207,8 @@ GRAMMARS = {
     "mapping ANS": _mapping,
     "mapping CCX": _dofs,
     "nodes TXT": _nodes_txt,
+    "nodes FEM": _modal,
+    "matrix FEM": _modal,
     **{f"{what} INP": _nodes_inp for what in ("nodes", "bricks")},
     **{f"{what} BDF": _nodes_bdf for what in ("nodes", "bricks")},
     **{f"{what} CDB": _nodes_cdb for what in ("nodes", "bricks")},

@@ -15,7 +15,7 @@ from flexmb_cli.fe.formats.node_table import read_node_table
 READERS: dict[str, Callable[[Path], object]] = {
     **{
         f"matrix {form}": lambda p, form=form: read_matrix(p, form, "K")
-        for form in ("MM", "ABQ", "DMIG", "OP4")
+        for form in ("MM", "ABQ", "DMIG", "OP4", "FEM")
     },
     "matrix HB": read_harwell_boeing,
     "matrix CCX": read_calculix,
@@ -23,7 +23,7 @@ READERS: dict[str, Callable[[Path], object]] = {
     "mapping CCX": read_dofs,
     **{
         f"nodes {form}": lambda p, form=form: read_node_table(p, form)
-        for form in ("TXT", "CDB", "INP", "BDF")
+        for form in ("TXT", "CDB", "INP", "BDF", "FEM")
     },
     **{f"bricks {form}": lambda p, form=form: read_elements(p, form) for form in ("CDB", "INP", "BDF")},
 }

@@ -19,6 +19,8 @@ class MatrixFormat(NamedTuple):
     by_name: bool = False  # whether a file may hold several matrices with names
 
 
+# The form of files of modes in place of matrices.
+OF_MODES = "FEM"
 MATRIX_FORMATS = {
     "MM": MatrixFormat("matrix_market:read_matrix_market"),
     "HB": MatrixFormat("harwell_boeing:read_harwell_boeing", mapping="ANS"),
@@ -26,6 +28,7 @@ MATRIX_FORMATS = {
     "ABQ": MatrixFormat("abaqus:read_abaqus", by_name=True),
     "DMIG": MatrixFormat("nastran:read_dmig", by_name=True),
     "OP4": MatrixFormat("nastran_op4:read_op4", by_name=True),
+    OF_MODES: MatrixFormat("mbdyn_fem:read_modal_matrix", by_name=True),
 }
 # Readers of equation mappings: (path).
 MAPPING_FORMATS = {
@@ -34,7 +37,7 @@ MAPPING_FORMATS = {
     "BDF": "nastran:row_order",
 }
 # Formats that a mapping may or must stand beside; rows of DMIG always have nodes and directions.
-TAKES_MAPPING = tuple(form for form in MATRIX_FORMATS if form != "DMIG")
+TAKES_MAPPING = tuple(form for form in MATRIX_FORMATS if form not in ("DMIG", OF_MODES))
 # The form of a "file" that stands for the elements themselves.
 OF_ELEMENTS = "MESH"
 # Node tables that may hold elements, too.

@@ -23,6 +23,7 @@ READERS = {
     "CDB": "ansys_cdb:cdb_nodes",
     "INP": "abaqus_nodes:abaqus_nodes",
     "BDF": "nastran:grids",
+    "FEM": "mbdyn_fem:modal_nodes",
 }
 _LISTED = re.compile(r"\bDSYS\s*=\s*([1-9]\d*)", re.IGNORECASE)
 _HEADING = re.compile(r"[^\d+\-.]")
@@ -46,7 +47,7 @@ class NodeTable:
 
 
 def read_node_table(path: Path, form: str) -> NodeTable:
-    """The node table at `path` in the format TXT, CDB, INP or BDF.  Raises FEFileFault."""
+    """The node table at `path` in the format TXT, CDB, INP, BDF or FEM.  Raises FEFileFault."""
     module, name = READERS[form].split(":")
     reader = getattr(import_module(f"{__package__}.{module}"), name)
     with np.errstate(all="ignore"):  # what is not finite is refused below

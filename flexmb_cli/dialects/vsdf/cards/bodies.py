@@ -1,6 +1,7 @@
 """Cards of bodies: their type, matrices, nodes, masses, and where they are and move at the start."""
 
 from ....fe.formats.formats import MAPPING_FORMATS
+from ....fe.formats.node_table import READERS
 from ..card import (
     BODY,
     MATRIX_FORMS,
@@ -13,7 +14,7 @@ from ..card import (
     word_column,
 )
 
-NODE_FORMS = ("TXT", "CDB", "INP", "BDF")
+NODE_FORMS = tuple(READERS)
 MAPPING_FORMS = tuple(MAPPING_FORMATS)
 # What a card FEMX names, and the section of the file that holds it.
 MATRIX_SECTIONS = {"M": "mass_matrix", "K": "stiffness_matrix", "KG": "unit_load"}
