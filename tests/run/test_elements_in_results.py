@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.results.figures.curves import default_curves
-from flexmb_cli.results.quantities.quantities import names
+from flexmb_cli.results.quantities.quantities import names, resolve
 from flexmb_cli.run.outcome import RunOptions
 from flexmb_cli.run.solution import run_deck
 from tests.dialects.dafms.test_dafms_elements import TWO_LINKS, deck, function
@@ -73,9 +73,10 @@ def test_elements_have_names_and_units_curves_and_an_energy_that_adds_up(result)
     assert tuple(found) == WANTED[dialect]
     assert [text.decode() for text in file["element/unit"][:]] == ["rad", "m", "rad", "m"]
     by_name = {one.name: one for one in names(file)}
-    for k, unit in enumerate(("N m", "N", "N m", "N"), 1):
-        assert by_name[f"element.{k}.effort"].unit == unit
-        assert {f"element.{k}.{what}" for what in ("coordinate", "rate", "power")} <= set(by_name)
+    for k, (name, unit) in enumerate(zip(found, ("N m", "N", "N m", "N"), strict=True), 1):
+        assert by_name[f"element.{name}.effort"].unit == unit
+        assert {f"element.{name}.{what}" for what in ("coordinate", "rate", "power")} <= set(by_name)
+        assert resolve(file, [f"element.{k}.effort"]) == [by_name[f"element.{name}.effort"]]
     drawn = {one.dataset for one in default_curves(file).quantities}
     assert drawn >= {"coordinate/q", "element/effort", "driver/effort"}
     assert set((file["element/effort"][:, 2] == 0.0).tolist()) == {True, False}
@@ -86,7 +87,7 @@ def test_elements_have_names_and_units_curves_and_an_energy_that_adds_up(result)
     taken = [integral(power, file["time"][:]) for power in file["element/power"][:].T]
     assert file["element/work"][-1] == pytest.approx(taken, rel=1e-3)
     assert file["energy/dissipated"][-1] == pytest.approx(-sum(taken), rel=1e-4)
-    assert {"element.4.work", "energy.dissipated"} <= set(by_name)
+    assert {"element.fric-1.work", "energy.dissipated"} <= set(by_name)
 
 
 def test_the_work_of_a_stop_is_found_where_nothing_is_free_to_move(tmp_path):
@@ -119,8 +120,8 @@ def test_composite_joints_and_couplings_have_forces_with_names_and_units(tmp_pat
     assert run_deck(str(tmp_path / "INX.dat"), RunOptions(folder=str(tmp_path))).exit_code == 0
     with h5py.File(tmp_path / "OUTX.h5") as file:
         by_name = {one.name: one for one in names(file)}
-        assert by_name["coupling.1.effort"].unit == "N"
+        assert by_name["coupling.coupling-1.effort"].unit == "N"
         assert file["coupling/effort"][:, 0] == pytest.approx(np.full(3, 20.0), rel=1e-12)
-        assert by_name["composite.1.force.z"].unit == "N" and by_name["composite.1.torque.x"].unit == "N m"
+        assert by_name["composite.sphsph-1.force.z"].unit == "N" and by_name["composite.sphsph-1.torque.x"].unit == "N m"
         assert file["composite/name"][0] == b"sphsph-1" and file["coupling/name"][0] == b"coupling-1"
         assert file["composite/force"][-1, 0] == pytest.approx((0, 0, 30.0), abs=1e-9)

@@ -52,6 +52,8 @@ MOTION = (
 )  # fmt: skip
 # Groups with a subgroup for every body that has such datasets; modes stand behind the quantity, nodes before.
 BY_BODY = ("elastic", "modal", "stress", "strain")
+# Things that lines of the block ELEMENTS name; a deck's older cards leave them "spring 1".
+OF_LINES, LABEL = ("element", "contact", "composite", "coupling", "curve", "driver"), re.compile(r"[A-Za-z][\w-]*")
 
 
 Labels = tuple[tuple[str, ...], ...]  # spellings for every position along an axis
@@ -202,11 +204,12 @@ class _Labels:
         if not is_number(scale):
             return [(text,) for text in texts(scale)]
         numbers = [_number(value) for value in scale[:]]
-        names = self._names(scale)
+        names, kind = self._names(scale), path.rpartition("/")[2]
         if names:
             given = list(zip(numbers, names, strict=True))
+            if kind in OF_LINES:
+                return [(name, number) if LABEL.fullmatch(name) else (number, name) for number, name in given]
             return _with_angles(given) if path.startswith("coordinate/") else [*given]
-        kind = path.rpartition("/")[2]
         if kind == "node":
             return [(f"node{number}", number, f"node {number}") for number in numbers]
         if kind == "element":
