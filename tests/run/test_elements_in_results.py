@@ -122,6 +122,7 @@ def test_composite_joints_and_couplings_have_forces_with_names_and_units(tmp_pat
         by_name = {one.name: one for one in names(file)}
         assert by_name["coupling.coupling-1.effort"].unit == "N"
         assert file["coupling/effort"][:, 0] == pytest.approx(np.full(3, 20.0), rel=1e-12)
-        assert by_name["composite.sphsph-1.force.z"].unit == "N" and by_name["composite.sphsph-1.torque.x"].unit == "N m"
+        units = [by_name[f"composite.sphsph-1.{what}"].unit for what in ("force.z", "torque.x")]
+        assert units == ["N", "N m"]
         assert file["composite/name"][0] == b"sphsph-1" and file["coupling/name"][0] == b"coupling-1"
         assert file["composite/force"][-1, 0] == pytest.approx((0, 0, 30.0), abs=1e-9)
