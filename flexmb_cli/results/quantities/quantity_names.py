@@ -53,7 +53,8 @@ MOTION = (
 # Groups with a subgroup for every body that has such datasets; modes stand behind the quantity, nodes before.
 BY_BODY = ("elastic", "modal", "stress", "strain")
 # Things that lines of the block ELEMENTS name; a deck's older cards leave them "spring 1".
-OF_LINES, LABEL = ("element", "contact", "composite", "coupling", "curve", "driver"), re.compile(r"[A-Za-z][\w-]*")
+OF_LINES = ("element", "contact", "composite", "coupling", "curve", "driver")
+LABEL = re.compile(r"[A-Za-z][\w-]*")
 
 
 Labels = tuple[tuple[str, ...], ...]  # spellings for every position along an axis
