@@ -18,6 +18,7 @@ from .options.output_file import (
     RESULT,
     STANDARD_OUTPUT,
     WrittenPlace,
+    in_units,
     refuse_inputs,
     refuse_standard_output,
     reported,
@@ -28,6 +29,8 @@ from .terminal.screen import WrongCall
 if TYPE_CHECKING:
     import h5py
 
+    from ..model.units import Wishes
+
 
 SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
 
@@ -37,10 +40,13 @@ SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
 @click.option("--to", "form", required=True, type=click.Choice(list(SUFFIX)), help="What to write.")
 @click.option("-o", "--output", type=WrittenPlace(), metavar="FILE",
               help="The file; - is standard output, for csv [default: NAME.FORM].")  # fmt: skip
+@in_units("; csv")
 @FORCE
 @AS_JSON
 @QUIET
-def export(result: str, form: str, output: str | None, force: bool, as_json: bool, quiet: bool) -> None:
+def export(
+    result: str, form: str, output: str | None, wishes: "Wishes", force: bool, as_json: bool, quiet: bool
+) -> None:
     """Write RESULT.h5 for ParaView (vtkhdf), spreadsheets (csv) or MATLAB and Octave (mat).
 
     vtkhdf holds the moving bodies as a time series for ParaView 5.12 and newer, csv all quantities with
@@ -49,11 +55,15 @@ def export(result: str, form: str, output: str | None, force: bool, as_json: boo
     \b
     Example:
         flexmb export OUT4-BAR.h5 --to vtkhdf -o four-bar.vtkhdf
+        flexmb export OUT4-BAR.h5 --to csv --units mm,deg
     """
     from ..results.hdf5.stored_result import is_study
 
     force, output = force or bool(output), output or f"{Path(result).stem}{SUFFIX[form]}"
     refuse_inputs(output, [result])
+    if wishes and form != "csv":
+        message = f"--units is for csv; names and units of a file of the form {form} are those of the result"
+        raise WrongCall(message, id="CLI-151")
     check = partial(refuse_foreign, [output], force)
     if form != "csv":
         check()
@@ -61,13 +71,15 @@ def export(result: str, form: str, output: str | None, force: bool, as_json: boo
     notices = Notices("result", result, quiet, as_json)
     notices.refuse_standard_output(output)
     with notices.failures():
-        notes = (_export_study if is_study(result) else _export_run)(result, form, output, check)
+        notes = (_export_study if is_study(result) else _export_run)(result, form, output, wishes, check)
     notices.add(notes)
     notices.say(f"{result} → {reported(output)}")
     notices.end(file=output)
 
 
-def _export_run(path: str, form: str, output: str, check: Callable[..., None]) -> list[Fault]:
+def _export_run(
+    path: str, form: str, output: str, wishes: "Wishes", check: Callable[..., None]
+) -> list[Fault]:
     """Write the result of a run; return what its reader should know."""
     from ..results.figures.vtkhdf import vtkhdf_bytes
     from ..results.files.matlab import matlab_bytes
@@ -77,13 +89,15 @@ def _export_run(path: str, form: str, output: str, check: Callable[..., None]) -
         refuse_uneven(file)
         notes = remarks(file)
         if form == "csv":
-            _write_csv(file, output, check)
+            _write_csv(file, output, wishes, check)
         else:
             write_whole(output, matlab_bytes(file) if form == "mat" else vtkhdf_bytes(file))
     return notes
 
 
-def _export_study(path: str, form: str, output: str, check: Callable[..., None]) -> list[Fault]:
+def _export_study(
+    path: str, form: str, output: str, wishes: "Wishes", check: Callable[..., None]
+) -> list[Fault]:
     """Write the table of a study; return what its reader should know."""
     from ..results.files.matlab import matlab_bytes
     from ..study.text import failed_notes, open_study, study_columns, study_text
@@ -97,7 +111,7 @@ def _export_study(path: str, form: str, output: str, check: Callable[..., None])
             write_whole(output, matlab_bytes(file))
             return failed_notes(file)
         notes = failed_notes(file)
-        text = "".join(study_text(file, study_columns(file)))
+        text = "".join(study_text(file, [column.in_units(wishes) for column in study_columns(file)]))
     if output == STANDARD_OUTPUT:
         click.echo(text, nl=False)
     else:
@@ -106,11 +120,12 @@ def _export_study(path: str, form: str, output: str, check: Callable[..., None])
     return notes
 
 
-def _write_csv(file: "h5py.File", output: str, check: Callable[..., None]) -> None:
+def _write_csv(file: "h5py.File", output: str, wishes: "Wishes", check: Callable[..., None]) -> None:
     from ..results.quantities.quantities import names
     from ..results.quantities.table import chosen_rows, table_text
 
-    pieces = table_text(file, names(file), chosen_rows(file, None, None, 1), "csv")
+    columns = [quantity.in_units(wishes) for quantity in names(file)]
+    pieces = table_text(file, columns, chosen_rows(file, None, None, 1), "csv", wishes)
     if output == STANDARD_OUTPUT:
         for piece in pieces:
             click.echo(piece, nl=False)

@@ -19,6 +19,7 @@ from .options.output_file import (
     Finite,
     Millimetres,
     WrittenPlace,
+    in_units,
     quantities,
     refuse_inputs,
     refuse_standard_output,
@@ -45,6 +46,7 @@ EMULATION = ("With the known errors of", "the program of 1996 (--as-printed)")
 @click.option("--from", "start", type=Finite(), metavar="T", help="Begin with the row at T seconds.")
 @click.option("--to", "stop", type=Finite(), metavar="T", help="End with the row at T seconds.")
 @click.option("--every", type=click.IntRange(1), default=1, metavar="N", help="Every N-th row of these.")
+@in_units(" or get a prefix")
 @click.option("--kind", type=click.Choice(["auto", "curve", "map", "scatter", "parallel"]), default="auto",
               help="Type of the picture of a study: curve over one parameter, map over two, scatter, "
               "parallel coordinates.")  # fmt: skip
@@ -83,6 +85,7 @@ def plot(
     Example:
         flexmb plot OUT4-BAR.h5 "body.3.velocity" point.1.z -o four-bar.svg
         flexmb plot OUT4-BAR.h5 point.1.z --x point.1.y -o path.png
+        flexmb plot OUT4-BAR.h5 "body.*.omega" point.1.z --units rpm,mm
         flexmb plot OUT4-BAR.h5 point.1.z --width 85 --font serif -o column.pdf
     """
     from ..results.figures.plots import FORMATS
@@ -97,7 +100,7 @@ def plot(
     needed("matplotlib", "matplotlib", "plot", "flexmb plot")
     if study and {key: options[key] for key in _OF_TIMES} != _OF_TIMES:
         raise WrongCall(
-            "the table of a study has no times: --with, --x, --from, --to and --every", id="CLI-029"
+            "the table of a study has no times: --with, --x, --from, --to, --every and --units", id="CLI-029"
         )
     if not study and options["kind"] != "auto":
         message = f"--kind {options['kind']} is for tables of studies, and {result} is none"
@@ -112,7 +115,14 @@ def plot(
 
 
 # What the options of times are where they are not given.
-_OF_TIMES = {"others": (), "across": "time", "start": None, "stop": None, "every": 1}
+_OF_TIMES: dict[str, Any] = {
+    "others": (),
+    "across": "time",
+    "start": None,
+    "stop": None,
+    "every": 1,
+    "wishes": {},
+}
 
 
 def _plot(names: tuple[str, ...], form: str, options: dict[str, Any], notices: Notices) -> tuple[bytes, str]:
@@ -127,7 +137,7 @@ def _plot(names: tuple[str, ...], form: str, options: dict[str, Any], notices: N
             _source(open_files, path, label, names, options, notices)
             for path, label in zip(paths, _labels(paths), strict=True)
         ]
-        drawn = panels(sources)
+        drawn = panels(sources, options["wishes"])
         if title is None:
             decks = dict.fromkeys(attribute(one.result, "deck_name") for one in sources)
             title = "" if options["width"] else ", ".join(decks)

@@ -19,6 +19,7 @@ from .options.output_file import (
     STANDARD_OUTPUT,
     Finite,
     WrittenPlace,
+    in_units,
     refuse_inputs,
     refuse_standard_output,
     reported,
@@ -70,9 +71,11 @@ class Interval(click.ParamType):  # type: ignore[type-arg]
               help="What colours finite-element bodies, such as 'principal stress 1' or "
               "'body'; an unknown name lists all [default: von Mises stress].")  # fmt: skip
 @click.option("--range", "ends", type=Interval(), metavar="LOW,HIGH",
-              help="Values of the first and the last colour [default: smallest and largest].")  # fmt: skip
+              help="Values of the first and the last colour, in --units or the result's "
+              "[default: smallest and largest].")  # fmt: skip
 @click.option("--scale", type=Finite(), default=1.0, metavar="X",
               help="Show deformations of finite-element bodies X times as large [default: 1].")  # fmt: skip
+@in_units(" or get a prefix")
 @FORCE
 @AS_JSON
 @QUIET
@@ -106,7 +109,7 @@ def report(
     with notices.failures():
         if study := is_study(result):
             _refuse_options(
-                ("colours", "range", "scale"), "for results of a run; this is the table of a study"
+                ("colours", "range", "scale", "units"), "for results of a run; this is the table of a study"
             )
         page, notes = (_study_page(result), list[Fault]()) if study else _result_page(result, bodies)
         if output == STANDARD_OUTPUT:
@@ -119,7 +122,7 @@ def report(
 
 
 def _refuse_options(names: tuple[str, ...], why: str) -> None:
-    context, parameters = click.get_current_context(), {"range": "ends"}
+    context, parameters = click.get_current_context(), {"range": "ends", "units": "wishes"}
     given = [
         f"--{name}"
         for name in names
@@ -137,7 +140,7 @@ def _body_look(looks: dict[str, Any]) -> "BodyLook":
         raise WrongCall(f"--colours {colours}: wanted is one of: {', '.join(COLOURS)}", id="CLI-039")
     if ends and colours == OWN_COLOURS:
         raise WrongCall("--range: bodies that have a colour each show no values", id="CLI-040")
-    return BodyLook(colours, ends, looks["scale"])
+    return BodyLook(colours, ends, looks["scale"], looks["wishes"])
 
 
 def _size(count: int) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import Fault
-from .options.output_file import RESULT, Finite, quantities
+from .options.output_file import RESULT, Finite, in_units, quantities
 from .terminal.notices import Notices
 from .terminal.screen import WrongCall, show, terminal_width
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 @click.option("--every", type=click.IntRange(1), default=1, metavar="N", help="Every N-th row of these.")
 @click.option("-f", "--format", "style", type=click.Choice(["csv", "tsv", "jsonl", "text"]),
               help="csv (default), tsv, jsonl: JSON Lines, text: aligned (default of --list).")  # fmt: skip
+@in_units()
 @click.option("--as-table", "number", type=click.IntRange(1), metavar="N",
               help="Print splines as a block ELEMENTS of a deck: functions N, N + 1 and on.")  # fmt: skip
 @click.option("--json", "as_json", is_flag=True,
@@ -48,6 +49,7 @@ def table(
     \b
     Example:
         flexmb table OUT4-BAR.h5 body.3.z point.1.velocity --every 5 --from 0.5
+        flexmb table OUT4-BAR.h5 body.3.omega point.1.z --units mm,deg
         flexmb table study.h5 top --format text
         flexmb table OUT.h5 driver.1.effort --as-table 1
     """
@@ -58,6 +60,9 @@ def table(
     if number and (listing or style or study):
         message = "--as-table prints cards of a run: it goes with neither --list, --format nor a study"
         raise WrongCall(message, id="CLI-055")
+    if number and options["wishes"]:
+        message = "--as-table prints cards in the units of the deck; leave out --units"
+        raise WrongCall(message, id="CLI-150")
     if as_json and (style or number):
         message = "--json has rows of its own: it goes with neither --format nor --as-table"
         raise WrongCall(message, id="CLI-056")
@@ -121,7 +126,8 @@ def _print_result(
             raise WrongCall(
                 f"name at least one quantity; flexmb table {result} --list shows them all", id="CLI-059"
             )
-        quantities = resolve(file, names, result) if names else all_names(file)
+        found, wishes = resolve(file, names, result) if names else all_names(file), options["wishes"]
+        quantities = [quantity.in_units(wishes) for quantity in found]
         if listing:
             if changes := ", ".join(settings_of(file)):
                 message = f"the run changed the deck by --set: {changes}"
@@ -143,7 +149,7 @@ def _print_result(
         groups = [quantities] if room is None else fitting_groups(file, quantities, room)
         for k, group in enumerate(groups):
             show("\n" * bool(k))
-            printed.table(table_text(file, group, rows, printed.style or "csv"))
+            printed.table(table_text(file, group, rows, printed.style or "csv", wishes))
 
 
 def _print_study(
@@ -157,6 +163,7 @@ def _print_study(
         columns = study_columns(file)
         if names or not listing:
             columns = chosen_columns(columns, names, path)
+        columns = [column.in_units(options["wishes"]) for column in columns]
         if listing:
             printed.list(list_text(columns, printed.style or "text"))
             return

@@ -7,12 +7,14 @@ tonnes with all else in SI units divide densities by a thousand.
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from ..errors import Fault, FaultList, Place
+from .units import UNITS as SYSTEMS
+from .units import Units
 
 if TYPE_CHECKING:  # a run imports the models of its own dialect only
     from .flexible_mechanism import FlexibleMechanism, FloatingBody
@@ -62,6 +64,11 @@ class Extent:
     size: float
     place: Place | None = None
 
+    def in_si(self, units: Units) -> "Extent":
+        """Return a body whose numbers are in `units` in SI units."""
+        moments = tuple(units.mass * units.length**2 * moment for moment in self.moments)
+        return replace(self, mass=units.mass * self.mass, moments=moments, size=units.length * self.size)
+
     @property
     def inertia(self) -> float:
         """Largest principal moment of inertia, kg m²."""
@@ -92,14 +99,15 @@ class Extent:
         return (max(self.inertia, 0.0) / self.mass) ** 0.5 if self.mass > 0 else 0.0
 
 
-def unit_warnings(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Fault]:
-    """Notes on the bodies and the gravity of any model with masses."""
+def unit_warnings(model: "DynamicModel | FlexibleMechanism | Tree", system: str = "") -> list[Fault]:
+    """Notes on the bodies and the gravity of any model with masses; `system`: units that its deck says."""
     kind = type(model).__name__
     if kind == "DynamicModel" and cast("DynamicModel", model).without_masses:
         return FaultList()
-    gravity, longest = float(np.linalg.norm(model.gravity)), None
+    units, longest = SYSTEMS[system or "m"], None
+    gravity = float(np.linalg.norm(model.gravity)) * units.length
     notes, masses = FaultList(), []
-    for body in _EXTENTS[kind](model):
+    for body in (stored.in_si(units) for stored in _EXTENTS[kind](model)):
         notes += _of_body(body)
         masses.append((body.name, body.mass))
         if longest is None or body.size > longest.size:
@@ -107,7 +115,7 @@ def unit_warnings(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Faul
     if kind == "FlexibleMechanism":
         bodies = cast("FlexibleMechanism", model).bodies
         flexible = [body for body in bodies if body.flexible is not None]
-        notes += [*_of_frequencies(flexible), *_of_densities(flexible)]
+        notes += [*_of_frequencies(flexible, units), *_of_densities(flexible, units)]
     if message := uneven_masses(masses):
         notes.append(Fault("note", message, id="MODEL-022"))
     if IN_MILLIMETRES[0] <= gravity <= IN_MILLIMETRES[1]:
@@ -162,12 +170,12 @@ def _is_doubtful(body: Extent) -> bool:
     return ratio < NARROW or ratio > WIDEST_OF_ALL or (ratio > wide and not body.heavy)
 
 
-def _of_frequencies(bodies: "Iterable[FloatingBody]") -> Any:
+def _of_frequencies(bodies: "Iterable[FloatingBody]", units: Units) -> Any:
     """Sound crosses no solid faster than 2e4 m/s, and a body vibrates slower than sound crosses it."""
     for body in bodies:
         if not body.modes:
             continue
-        size = float(np.ptp(body.reduced.r0, axis=0).max())
+        size = float(np.ptp(body.reduced.r0, axis=0).max()) * units.length
         lowest = float(body.reduced.frequencies[0])
         if lowest * size > FASTEST_SOUND:
             message = (
@@ -177,11 +185,11 @@ def _of_frequencies(bodies: "Iterable[FloatingBody]") -> Any:
             yield Fault("note", message, body.place, body.name, id="MODEL-013")
 
 
-def _of_densities(bodies: "Iterable[FloatingBody]") -> Any:
+def _of_densities(bodies: "Iterable[FloatingBody]", units: Units) -> Any:
     """Matrices know no lengths: nodes in millimetres, and masses in tonnes, pass every test of them."""
     for body in bodies:
-        sides = _sides(body.reduced.r0)
-        density = body.m / (float(np.prod(sides)) or math.nan)
+        mass, sides = body.m * units.mass, _sides(body.reduced.r0) * units.length
+        density = mass / (float(np.prod(sides)) or math.nan)
         if not (density < FOAM or density > OSMIUM):
             continue
         likely = [
@@ -190,7 +198,7 @@ def _of_densities(bodies: "Iterable[FloatingBody]") -> Any:
             if SOLID <= density * factor <= OSMIUM
         ]
         message = (
-            f"{body.m:.3g} kg in a box of {sides[0]:.3g} by {sides[1]:.3g} by {sides[2]:.3g} m are "
+            f"{mass:.3g} kg in a box of {sides[0]:.3g} by {sides[1]:.3g} by {sides[2]:.3g} m are "
             f"{_two_digits(density)} kg/m³, {'less than foam' if density < FOAM else 'more than osmium'}: "
             f"{', '.join(likely) or 'are nodes in m and masses in kg?'}"
         )

@@ -6,12 +6,13 @@ from typing import Any
 
 from ..deck.record import Deck, DeckText
 from ..dialects import DIALECTS
-from ..dialects.elements_block.line import has_outputs, lines_of
+from ..dialects.elements_block.line import has_outputs, lines_of, system_of
 from ..dialects.recognise import dialect_named, read_deck
 from ..errors import DeckError, Fault, FlexmbError, ModelError, visible
 from ..model.exchange.conversion import Start
-from ..model.exchange.units import UNITS, Units, in_units
+from ..model.exchange.units import in_units
 from ..model.loads import DynamicModel
+from ..model.units import UNITS, Units
 from ..results.models.exudyn import exudyn_script
 from ..results.models.mjcf import mjcf
 from .model import analysis_of, folder_of, model_of, open_deck
@@ -32,7 +33,7 @@ def converted(
 ) -> str:
     """Return the model of the deck at `path` as text of a form: "mjcf", "exudyn", or a dialect.
 
-    `unit`, `to_unit`: names of `model.exchange.units.UNITS`, in which the numbers of the deck are, and those
+    `unit`, `to_unit`: names of `model.units.UNITS`, in which the numbers of the deck are, and those
     of the new deck are to be.  `outcome` receives the warnings about the deck.  Raises FlexmbError, with the
     deck's name, for a deck with errors and for what the form cannot hold.
     """
@@ -44,6 +45,7 @@ def converted(
         name = visible(PurePath(deck.source.name).stem)
         if form in DIALECTS:
             _refuse_own(deck, form, (unit, to_unit))
+        unit = _units_of(deck, form, unit)
         _refuse_signals(deck)
         if has_outputs(deck):
             message = "lines OUTPUT are left out: copy those that you need, with the numbers of the new deck"
@@ -55,6 +57,17 @@ def converted(
     except FlexmbError as failure:
         failure.file = failure.file or path
         raise
+
+
+def _units_of(deck: Deck, form: str, unit: str) -> str:
+    """Return the system of a deck's numbers: that which it says, else `unit`."""
+    system = system_of(deck)
+    if system not in ("", SI) and form not in DIALECTS:
+        message = f"the deck is in the units {system}: convert it to a deck in SI units first"
+        raise ModelError([Fault("error", message, id="RUN-150")])
+    if system and unit not in (SI, system):
+        raise ModelError([Fault("error", f"--unit {unit}: the deck says UNITS {system}", id="RUN-151")])
+    return system or unit
 
 
 def _refuse_signals(deck: Deck) -> None:
@@ -92,7 +105,7 @@ def _deck_of(deck: Deck, run: Run, form: str, units: tuple[Units, Units]) -> tup
             message = f"{dialect.title} decks are not converted to other dialects"
             raise ModelError([Fault("error", message, id="RUN-061")])
     found = old.part(old.rigid_model)(deck, lambda: model_of(deck, run), lambda model: _start(model, run))
-    text: str = new.part(new.rigid_deck)(in_units(found, *units), _title(deck), units[1].reported)
+    text: str = new.part(new.rigid_deck)(in_units(found, *units), _title(deck), units[1])
     try:
         return text, new.build(read_deck(DeckText("converted", text, ""), form), folder_of(run))[0]
     except DeckError as failure:

@@ -16,6 +16,7 @@ from ..deck.number import MOST_DIGITS
 from ..deck.record import Deck
 from ..deck.several_models import changes_of, named_model, only_model
 from ..deck.text import STANDARD_INPUT
+from ..dialects.elements_block.line import system_of
 from ..dialects.recognise import dialect_named, open_text, read_deck
 from ..errors import Fault
 from ..solvers.as_printed.errors import AS_PRINTED
@@ -133,13 +134,13 @@ def open_deck(path: str, options: RunOptions, outcome: Outcome, text: str | None
         deck = apply_settings(deck, changes)
     outcome.faults += deck.warnings
     outcome.faults += _doubly_set(changes)
-    outcome.settings = deck.settings
+    outcome.settings, outcome.system = deck.settings, system_of(deck)
     return replace(deck, options=_counting_options(deck, options), model=model)
 
 
 def take_open_deck(deck: Deck, faults: Sequence[Fault], options: RunOptions, outcome: Outcome) -> Deck:
     """Return a deck that was read before, with `faults`; its text and these go into `outcome`."""
-    outcome.source, outcome.settings = deck.source, deck.settings
+    outcome.source, outcome.settings, outcome.system = deck.source, deck.settings, system_of(deck)
     outcome.faults += faults
     return replace(deck, options=_counting_options(deck, options))
 

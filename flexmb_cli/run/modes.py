@@ -67,7 +67,7 @@ def _fill(report: ModesReport, wish: Wish, run: Run) -> None:
             message = "the motion from the equilibrium is not followed to --at TIME; leave out one of them"
             raise ModelError([Fault("error", message, line.place, line.name, id="SOLVE-183")])
         wish = replace(wish, equilibrium=True)
-    run.outcome.faults += unit_warnings(model)
+    run.outcome.faults += unit_warnings(model, run.outcome.system)
     report.deck = deck
     if analysis == "flexible":
         report.bodies = [body.flexible for body in model.bodies if body.flexible is not None]

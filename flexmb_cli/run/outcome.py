@@ -126,16 +126,18 @@ class RunOptions:
 class Outcome:
     """Outcome of one deck; fills while the deck is run.
 
-    `deck` is the deck as named by the user, `settings` what `--set` changed of it, `source` its text once
-    read, `echo` the list of its numbers if asked for, `statistics` what the solver counted, `resumable`
-    whether `--resume` can continue it, `errors` the largest global errors by the paths of their datasets,
-    `as_printed` whether it was solved with the errors of the program of 1996, `notices` what was
-    reported on the way: about the machine and not the deck, so that neither results nor `--strict` know it.
+    `deck` is the deck as named by the user, `settings` what `--set` changed of it, `system` the units that it
+    says, `source` its text once read, `echo` the list of its numbers if asked for, `statistics` what the
+    solver counted, `resumable` whether `--resume` can continue it, `errors` the largest global errors by the
+    paths of their datasets, `as_printed` whether it was solved with the errors of the program of 1996,
+    `notices` what was reported on the way: about the machine and not the deck, so that neither results nor
+    `--strict` know it.
     """
 
     deck: str
     exit_code: int = DONE
     settings: tuple[str, ...] = ()
+    system: str = ""
     source: DeckText | None = None
     faults: list[Fault] = field(default_factory=list)
     files: tuple[str, ...] = ()

@@ -3,7 +3,7 @@
 import fnmatch
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from typing import Any
 
@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from ..errors import Fault, visible
+from ..model.units import Wishes, converted
 from ..results.hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, understood
 from ..results.quantities.quantities import NOTHING, SHOWS_ALL, ResultError
 from ..results.quantities.quantity_names import folded
@@ -29,6 +30,12 @@ class StudyColumn:
     unit: str
     long_name: str
     length: int
+    factor: float = 1.0  # of its numbers in the table
+
+    def in_units(self, wishes: Wishes) -> "StudyColumn":
+        """Return the column in the units that are wanted."""
+        unit, factor = converted(self.unit, wishes)
+        return replace(self, unit=unit, factor=factor * self.factor)
 
     @property
     def name(self) -> str:
@@ -157,7 +164,7 @@ def _rows(table: h5py.File, columns: Sequence[StudyColumn], cases: slice) -> lis
         if column.path == MESSAGE:
             values = [visible(text) for text in dataset.asstr(errors="replace")[cases].tolist()]
         else:
-            values = dataset[cases]
+            values = dataset[cases] if column.factor == 1.0 else dataset[cases] * column.factor
         cells += np.reshape(values, (len(values), -1)).T.tolist()
     return list(zip(*cells, strict=True))
 

@@ -3,8 +3,8 @@
 import math
 import os
 import re
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
 
 import click
 
@@ -82,6 +82,7 @@ def quantities(context: click.Context, parameter: click.Parameter, incomplete: s
     return [name for name in known if name.startswith(incomplete)]
 
 
+Command = TypeVar("Command", bound=Callable[..., Any])
 _DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(e[-+]?\d+)?", re.IGNORECASE)
 _WIDTH = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))\s*(mm|cm|in)?", re.IGNORECASE | re.ASCII)
 _MILLIMETRES = {"mm": 1.0, "cm": 10.0, "in": 25.4}
@@ -116,6 +117,27 @@ class Millimetres(Finite):
         if match is None:
             self.fail(f"{value} is no width: give millimetres, such as 85, or 8.5cm, 3.5in", param, ctx)
         return super().convert(float(match[1]) * _MILLIMETRES[(match[2] or "mm").lower()], param, ctx)
+
+
+class UnitNames(click.ParamType):  # type: ignore[type-arg]
+    """Units that are wanted, such as mm,MPa,deg,kN, by their SI units."""
+
+    name = "units"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the units, or raise a usage error."""
+        from ...model.units import wishes_of
+
+        try:
+            return wishes_of(value.split(",")) if isinstance(value, str) else value
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+
+
+def in_units(note: str = "") -> Callable[[Command], Command]:
+    """Return the option for units; `note` ends its help."""
+    meaning = f"Units of numbers, such as mm,MPa,deg,kN; the others stay as they are{note}."
+    return click.option("--units", "wishes", type=UnitNames(), default={}, metavar="UNIT,...", help=meaning)
 
 
 ABSOLUTE_TOLERANCE = Finite(0, 1, min_open=True, max_open=True)

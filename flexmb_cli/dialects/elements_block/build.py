@@ -32,7 +32,7 @@ from ...model.laws import (
 from ...model.time_functions import PERIODIC
 from .contacts import touch_of
 from .functions import Functions
-from .line import MASS, OUTPUT, ElementLine
+from .line import MASS, OUTPUT, UNITS, ElementLine
 from .measures import Measures
 from .signals import built_signals
 from .words import BY_WORD, key_of, usage
@@ -59,7 +59,7 @@ class BlockBuilder:
         """The elements of all lines but functions; `more`: makers of those of the dialect, by their words."""
         found: dict[str, list[Any]] = {}
         for line in lines:
-            if line.word in ("FUNCTION", "SIGNAL", OUTPUT, MASS):
+            if line.word in ("FUNCTION", "SIGNAL", OUTPUT, MASS, UNITS):
                 continue
             field, item = self._element(line, more)
             if item is not None:

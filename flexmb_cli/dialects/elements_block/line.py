@@ -11,6 +11,7 @@ SECTION = "elements"
 MOST_ELEMENTS = 20_000  # of a deck; one takes up to 6 kB
 OUTPUT = "OUTPUT"  # word of quantities that results have besides
 EQUILIBRIUM = "equilibrium"  # name of a line START without keys: the motion begins at rest
+UNITS = "UNITS"  # word of the consistent system in which the deck's numbers are
 MASS = "MASS"  # word of masses that are added to bodies
 # Words that bring in equations, or take those of the deck away.
 CONSTRAINING = ("DRIVE", "SUPPORT", "COUPLING", "CURVE", "JOINT")
@@ -62,6 +63,11 @@ def lines_of(deck: Deck) -> Sequence[ElementLine]:
 def has_outputs(deck: Deck) -> bool:
     """Return whether a deck has lines OUTPUT."""
     return any(line.word == OUTPUT for line in lines_of(deck))
+
+
+def system_of(deck: Deck) -> str:
+    """Return the name of the consistent system in which a deck says its numbers are; "" if it does not."""
+    return next((line.subject.lower() for line in lines_of(deck) if line.word == UNITS), "")
 
 
 def mass_lines(lines: Iterable[ElementLine]) -> list[ElementLine]:

@@ -14,7 +14,8 @@ from ...deck.record import Lines, Number
 from ...deck.words import Word
 from ...errors import Fault, FaultList, Place
 from ...model.laws import VECTOR
-from .line import EQUILIBRIUM, MASS, MOST_ELEMENTS, OUTPUT, SECTION, ElementLine
+from ...model.units import UNITS as SYSTEMS
+from .line import EQUILIBRIUM, MASS, MOST_ELEMENTS, OUTPUT, SECTION, UNITS, ElementLine
 from .text import BLOCK, statements
 from .words import (
     AXIS,
@@ -165,6 +166,10 @@ class BlockReader:
             message = f"a name is of letters, digits, _ and -; read {number.shown(name)}"
         elif name.isdigit() and word.word != "FUNCTION":
             message = f"{name} is a number, which names functions only; begin the name with a letter"
+        elif word.word == UNITS and name.lower() not in SYSTEMS:
+            message = f"UNITS is followed by one of {', '.join(SYSTEMS)}; read {number.shown(name)}"
+        elif word.word == UNITS and any(record.word == UNITS for record in self.records):
+            message = "the deck has said its units already; remove one of the lines"
         elif name.lower() in self._reserved:
             message = f"{name} names numbers of the deck; take another name"
         elif name.lower() in self._first:

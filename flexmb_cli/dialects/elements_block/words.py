@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 
 from ...deck.expansion.expressions import FORMULA
 from ...model.laws import FUNCTIONS, LAWS, PAIRS, REQUIRED, VECTOR, At, Joint, Law, Parameter, Push, Touch
-from .line import MASS, OUTPUT
+from ...model.units import UNITS as SYSTEMS
+from .line import MASS, OUTPUT, UNITS
 
 # What the text behind `key=` is; numbers and vectors as in `model.laws`.
 NUMBER, WHOLE, FUNCTION, COORDINATE, END, FILE = (
@@ -290,6 +291,11 @@ WORDS = (
         kinds=tuple(kind for kind in OUTPUTS if kind != FORMULA),
     ),
     BlockWord(
+        UNITS,
+        f"consistent system of all numbers of the deck, {', '.join(SYSTEMS)}: labels of results have it",
+        (),
+    ),
+    BlockWord(
         "START",
         "coordinate at the start, its rate, or both; `START equilibrium`: the motion begins at rest in the "
         "equilibrium under its loads",
@@ -313,6 +319,8 @@ def usage(word: BlockWord) -> str:
         return "COUPLING name 2.angle=factor 3.stroke=factor …, or from=1.angle to=2.stroke function=name"
     if word.word == "START":
         return "START at=2.angle value=… rate=…, or START equilibrium"
+    if word.word == UNITS:
+        return f"UNITS {'|'.join(SYSTEMS)}"
     parts = [word.word, "name" if not word.unnamed else "", "|".join(word.kinds)]
     if word.word == "SIGNAL":
         return "SIGNAL name sum 0.8 -1*2.angle, or SIGNAL name pid of=error kp=3 ki=10, and so on"

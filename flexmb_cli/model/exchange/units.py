@@ -1,35 +1,15 @@
 """A rigid model in other units: numbers of a deck in millimetres, kilograms and seconds in SI, and back."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..joint_elements import Coupling
 from ..joints import ANGLE
 from ..laws import OF_TIME, Cam, Element, Frames, Line, Parameter
 from ..time_functions import MotionFunction
+from ..units import Units
 from .functions import transformed
 from .rigid_model import RigidModel, vector
-
-_INCH, _POUND_FORCE = 0.0254, 4.4482216152605
-
-
-@dataclass(frozen=True)
-class Units:
-    """A consistent system: its units of length, m, and mass, kg; times are in s.  `reported`: it in words."""
-
-    length: float
-    mass: float
-    reported: str
-
-
-UNITS = {
-    "m": Units(1.0, 1.0, "m, kg, s, N"),
-    "mm": Units(1e-3, 1e3, "mm, t, s, N"),
-    "mm-kg": Units(1e-3, 1.0, "mm, kg, s, mN"),
-    "cm": Units(1e-2, 1e-3, "cm, g, s, dyn"),
-    "in": Units(_INCH, _POUND_FORCE / _INCH, "in, lbf s^2/in, s, lbf"),
-}
-
 
 # Powers of the units of length and of mass of the numbers of each part; those of time are the same.
 _POWERS = {

@@ -4,10 +4,13 @@ Stresses and strains are superposed from those of the modes; the report's scene 
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
+import h5py
 import numpy as np
 
+from ...model.units import UNITS, Units, Wishes, converted, declared, with_prefix
+from ..hdf5.stored_result import attribute
 from ..hdf5.stress import COMPONENTS, MOST_STRESSES, strains, von_mises
 from ..quantities.quantities import ResultError
 from .element_bodies import ElementBody
@@ -25,8 +28,15 @@ UNSIGNED = (VON_MISES, DEFORMATION, ENERGY)
 ROUND_OFF_PART = 1e-9
 
 
-def unit_of(contour: str) -> str:
-    """Return the unit of one of CONTOURS, "" for none."""
+def shown_unit(contour: str, ends: tuple[float, float], look: "BodyLook") -> tuple[str, float]:
+    """Return the unit in which one of CONTOURS with these ends is shown, and the factor of its values."""
+    stored = declared(_unit_of(contour), look.system)
+    unit, factor = converted(stored, look.wishes)
+    return with_prefix(unit, max(map(abs, ends))) if unit == stored and not look.wishes else (unit, factor)
+
+
+def _unit_of(contour: str) -> str:
+    """Return the SI unit of one of CONTOURS, "" for none."""
     return {DEFORMATION: "m", ENERGY: "J"}.get(contour, "Pa" if contour in STRESSES else "")
 
 
@@ -135,11 +145,21 @@ class BodyLook:
     """`colours`: one of COLOURS; `scale` magnifies deformations.
 
     `ends`: the values of the first and of the last colour; None: the smallest and the largest of all rows.
+    They are in the units that are wanted, `wishes`, else in those of the result, which `system` has.
     """
 
     colours: str = VON_MISES
     ends: tuple[float, float] | None = None
     scale: float = 1.0
+    wishes: Wishes = field(default_factory=dict)
+    system: Units = UNITS["m"]
+
+    def of(self, result: h5py.File) -> "BodyLook":
+        """Return the look for a result: its ends in the units of the result."""
+        system = UNITS.get(attribute(result, "units"), self.system)
+        factor = converted(declared(_unit_of(self.colours), system), self.wishes)[1]
+        ends = self.ends and (self.ends[0] / factor, self.ends[1] / factor)
+        return replace(self, system=system, ends=ends)
 
 
 DEFAULT_LOOK = BodyLook()

@@ -1,7 +1,7 @@
 """Curves of a result that are drawn, and their panels: one for each unit."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import takewhile
 
 import h5py
@@ -9,6 +9,7 @@ import numpy as np
 
 from ...dialects import DIALECTS
 from ...dialects.recognise import dialect_named
+from ...model.units import AS_STORED, Wishes, in_si, with_prefix
 from ..hdf5.stored_result import attribute
 from ..quantities.quantities import Quantity, names, read
 from ..quantities.readable import Readable, readable
@@ -26,7 +27,7 @@ STILL = 1e-9
 # Names of panels by the unit of their quantities, where these have nothing else in common.
 OF_UNIT = {
     "m": "lengths", "rad": "angles", "m/s": "velocities", "rad/s": "angular velocities",
-    "m/s^2": "accelerations", "rad/s^2": "angular accelerations", "N": "forces", "N m": "torques",
+    "m/s2": "accelerations", "rad/s2": "angular accelerations", "N": "forces", "N m": "torques",
     "Pa": "stresses", "J": "energies", "W": "powers",
 }  # fmt: skip
 
@@ -59,6 +60,17 @@ class Panel:
     same_unit: bool = False
     of_changes: bool = False
 
+    def readable(self, wishes: Wishes) -> "Panel":
+        """Return the panel with a prefix of its unit, unless that is wanted: values have few digits."""
+        values = [curve.y[np.isfinite(curve.y)] for curve in self.curves]
+        largest = max((float(np.abs(y).max()) for y in values if y.size), default=0.0)
+        unit, factor = self.unit, 1.0
+        if not self.same_unit and in_si(self.unit.split(" ")[0])[0] not in wishes:
+            unit, factor = with_prefix(self.unit, largest)
+        if factor == 1.0:
+            return self
+        return replace(self, unit=unit, curves=tuple(replace(c, y=c.y * factor) for c in self.curves))
+
     @property
     def y_label(self) -> str:
         """Return what all curves have in common, with the unit: "velocity of body 3 [m/s]"."""
@@ -76,7 +88,7 @@ class Panel:
             if len(things) == 1 and all(things):
                 common += f" of {next(iter(things))}"
         changed = "change of " if self.of_changes else ""
-        common = common or OF_UNIT.get(self.unit, "")
+        common = common or OF_UNIT.get(in_si(self.unit)[0], "")
         return f"{changed}{common} [{self.unit}]" if common else f"[{self.unit}]"
 
 
@@ -147,13 +159,17 @@ def _energies(result: h5py.File) -> list[Quantity]:
     return _moving(result, [quantity for quantity in names(result) if quantity.dataset in ENERGIES])
 
 
-def panels(sources: Sequence[Source]) -> list[Panel]:
-    """One panel for every unit, in the order in which the units come first, and more for energies."""
+def panels(sources: Sequence[Source], wishes: Wishes = AS_STORED) -> list[Panel]:
+    """One panel for every unit, in the order in which the units come first, and more for energies.
+
+    Values are in the units that are wanted; others have prefixes.
+    """
     found: dict[tuple[str, bool, bool], list[Curve]] = {}
     for number, source in enumerate(sources):
-        values = read(source.result, [source.abscissa, *source.quantities], source.rows)
+        x, *drawn = (one.in_units(wishes) for one in (source.abscissa, *source.quantities))
+        values = read(source.result, [x, *drawn], source.rows)
         count: dict[tuple[str, bool, bool], int] = {}
-        for column, quantity in enumerate(source.quantities, start=1):
+        for column, quantity in enumerate(drawn, start=1):
             changes = source.energies_change and quantity.dataset in (*ENERGIES, TOTAL)
             key = quantity.unit, changes, changes and quantity.dataset == TOTAL
             rank = count[key] = count.get(key, -1) + 1
@@ -161,10 +177,10 @@ def panels(sources: Sequence[Source]) -> list[Panel]:
             name = f"{source.label}: {words.label}" if source.label else words.label
             y = values[:, column] - (values[0, column] if changes else 0.0)
             found.setdefault(key, []).append(Curve(name, values[:, 0], y, rank, number, words))
-    x = sources[0].abscissa
+    x = sources[0].abscissa.in_units(wishes)
     x_label = f"{readable(x).label} [{x.unit}]"
     return [
-        Panel(x_label, unit, tuple(curves), unit == x.unit, changes)
+        Panel(x_label, unit, tuple(curves), unit == x.unit, changes).readable(wishes)
         for (unit, changes, _), curves in found.items()
     ]
 

@@ -5,7 +5,7 @@ Bodies are drawn with a depth buffer, texts by Pillow; imageio writes the frames
 
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ from .contours import (
     contour_ranges,
     nodal_values,
     shown_colours,
-    unit_of,
+    shown_unit,
 )
 from .depth_buffer import DepthBuffer
 from .element_bodies import ElementBody, element_bodies, outer_faces_of_elements, triangles
@@ -156,7 +156,7 @@ def film_rows(time: np.ndarray, rate: int) -> list[int]:
 
 def film_frames(result: h5py.File, look: FilmLook, rows: slice = slice(None)) -> Iterator[np.ndarray]:
     """Frames (height, width, 3) of bytes of the motion in `rows`; colours are those of all rows."""
-    scene = read_scene(result, rows)
+    scene, look = read_scene(result, rows), replace(look, bodies=look.bodies.of(result))
     bodies = list(element_bodies(result, scene.body_names, slice(None)))
     ranges = contour_ranges(bodies)
     check_look(result.filename, look.bodies, ranges, scene.size)
@@ -255,7 +255,7 @@ class _Canvas:
         self.traces = [self.camera.seen(path) for path in paths if np.ptp(path, axis=0).any()]
         magnified = f", deformation × {bodies_look.scale:g}" if bodies_look.scale != 1 else ""
         self.labels = [f"t = {time} s{magnified}" for time in rounded(scene.time)]
-        self.legend = _legend(contour, ends, reached) if ends and reached else ""
+        self.legend = _legend(contour, ends, reached, bodies_look) if ends and reached else ""
         self.texts = Texts(look.width, look.height, self.legend, self.contours, look.letters)
 
     def frame(self, row: int) -> np.ndarray:
@@ -285,10 +285,12 @@ class _Canvas:
         self.buffer.triangles(corners[~known], own, None, closed)
 
 
-def _legend(contour: str, ends: tuple[float, float], reached: tuple[float, float]) -> str:
+def _legend(contour: str, ends: tuple[float, float], reached: tuple[float, float], look: BodyLook) -> str:
     """Colours and values; where these are others than the smallest and the largest, these as well."""
-    words = f"{contour}, {ends[0]:.3g} to {ends[1]:.3g} {unit_of(contour)}".rstrip()
-    return words if ends == reached else f"{words} (of {reached[0]:.3g} to {reached[1]:.3g})"
+    unit, factor = shown_unit(contour, reached, look)
+    first, last, low, high = (factor * end for end in (*ends, *reached))
+    words = f"{contour}, {first:.3g} to {last:.3g} {unit}".rstrip()
+    return words if ends == reached else f"{words} (of {low:.3g} to {high:.3g})"
 
 
 def _rgb(text: str) -> np.ndarray:

@@ -22,6 +22,7 @@ from ...deck.record import DeckText
 from ...dialects.recognise import read_deck
 from ...dialects.settings import apply_settings
 from ...errors import DeckError, lines_visible
+from ...model.units import AS_STORED, Wishes
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, is_number, is_text, settings_of, texts
 from ..quantities.quantities import ResultError, names, remarks, shortfall
 from ..texts.echo import echo
@@ -180,7 +181,7 @@ def report_page(result: h5py.File, look: BodyLook = DEFAULT_LOOK) -> str:
         title=shown_html(_title(result)),
         status=_status(result),
         motion=_viewer("motion.html") if scene else "<p>There are no rows to draw.</p>",
-        curves=curves_html(result) + _left_out(result),
+        curves=curves_html(result, look.wishes) + _left_out(result),
         audit=_table(_audit(result)),
         run=_table(_run(result)),
         changes=_changes(result),
@@ -214,13 +215,13 @@ AS_TYPED = "As the deck's text has them."
 AS_CHANGED = "As this run had them; what --set changed has that word in place of its line."
 
 
-def curves_html(result: h5py.File) -> str:
+def curves_html(result: h5py.File, wishes: Wishes = AS_STORED) -> str:
     """The default curves, a panel for each unit."""
     chosen, rows = default_curves(result), len(result["time"])
     if not chosen.quantities or not rows:
         return ""
     time = next(quantity for quantity in names(result) if quantity.name == "time")
-    drawn = panels([Source("", result, slice(0, rows), time, chosen.quantities, True)])
+    drawn = panels([Source("", result, slice(0, rows), time, chosen.quantities, True)], wishes)
     figures = [
         curve_figure(_visible(panel), lines_visible(panel.y_label), k) for k, panel in enumerate(drawn)
     ]

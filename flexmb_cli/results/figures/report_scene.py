@@ -20,7 +20,7 @@ from .contours import (
     largest_scale,
     resting_row,
     shown_colours,
-    unit_of,
+    shown_unit,
 )
 from .element_bodies import ElementBody, element_bodies, face_edges, outer_faces_of_elements, triangles
 from .look import COLOURS
@@ -57,6 +57,7 @@ def report_scene(result: h5py.File, look: BodyLook = DEFAULT_LOOK) -> dict[str, 
     rows = len(result["time"])
     if not rows or "body/position" not in result:
         return None
+    look = look.of(result)
     first = read_scene(result, slice(0, 1), every_node=False)
     bodies = list(element_bodies(result, first.body_names, slice(None)))
     every = frame_rows(rows, stored_places(first, bodies))
@@ -97,7 +98,10 @@ def scene_data(
         "bodies": [_lines(body) for body in scene.lined(surfaces)],
         "surfaces": [*(_surface(body, ranges) for body in shown), *map(_rigid_surface, scene.shapes)],
         "ranges": {
-            name: {"low": low, "high": high, "unit": unit_of(name)} for name, (low, high) in ranges.items()
+            name: dict(
+                zip(("low", "high", "unit", "factor"), (*ends, *shown_unit(name, ends, look)), strict=True)
+            )
+            for name, ends in ranges.items()
         },
         "look": {
             "colours": shown_colours(look, ranges),

@@ -1,4 +1,5 @@
-"""HDF5 result of any analysis: netCDF-4 compatible, every axis a dimension scale, SI units.
+"""HDF5 result of any analysis: netCDF-4 compatible, every axis a dimension scale, SI units
+unless the deck says others.
 
 What a file holds is its `Layout`; rows are gathered and written by whole chunks, so that the bytes of
 the file do not depend on the blocks in which the analysis delivers them.
@@ -15,7 +16,9 @@ import h5py
 import numpy as np
 
 from ...deck.record import Deck
+from ...dialects.elements_block.line import system_of
 from ...errors import COMPLETE, FAILED, OutputError
+from ...model.units import UNITS, declared
 from ...solvers.as_printed.errors import AS_PRINTED, EMULATED
 from ...version import __version__
 from ..files.disk_failures import FullDiskGuard, located
@@ -50,7 +53,7 @@ class ResultFile(Replacement):
         self._status, self._message = COMPLETE, ""
         self._notes: tuple[str, ...] = ()
         self._waiting: list[Values] = []
-        self._chunk = chunk_rows(layout)
+        self._chunk, self._system = chunk_rows(layout), system_of(deck)
         self._file: h5py.File = None  # until the file is open
         try:
             with located(self.path):
@@ -132,14 +135,22 @@ class ResultFile(Replacement):
                 self._file.attrs[name] = "\n".join(lines)
         if AS_PRINTED in deck.options:
             self._file.attrs["emulation"] = EMULATED
+        if self._system:
+            self._file.attrs["units"] = self._system
         text = self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT)
         text.attrs.update(units="1", long_name="text of the deck")
+
+    def _unit(self, unit: str) -> str:
+        """Return an SI unit in the system of the deck."""
+        return declared(unit, UNITS[self._system]) if self._system else unit
 
     def _make_axis(self, axis: Axis) -> h5py.Dataset:
         scale = self._file.create_dataset(axis.path, data=_plain(axis.values), dtype=_kind(axis.values))
         scale.make_scale(axis.path.rpartition("/")[2])
         scale.attrs.update(units="1", long_name=axis.long_name)
         for path, texts, long_name in axis.labels:
+            if path.endswith("/unit"):
+                texts = tuple(map(self._unit, texts))
             dataset = self._file.create_dataset(path, data=list(texts), dtype=TEXT)
             _attach_scales(dataset, [scale])
             dataset.attrs.update(units="1", long_name=long_name)
@@ -148,7 +159,7 @@ class ResultFile(Replacement):
     def _make_constant(self, constant: Constant, scales: dict[str, h5py.Dataset]) -> None:
         dataset = self._file.create_dataset(constant.path, data=constant.values)
         _attach_scales(dataset, [self._scale_for(constant.path, path, scales) for path in constant.axes])
-        dataset.attrs.update(units=constant.units, long_name=constant.long_name)
+        dataset.attrs.update(units=self._unit(constant.units), long_name=constant.long_name)
 
     def _scale_for(self, dataset: str, axis: str, scales: dict[str, h5py.Dataset]) -> h5py.Dataset:
         """The scale `axis` where netCDF looks for it: a copy, if it lies beside the dataset's group."""
@@ -180,7 +191,7 @@ class ResultFile(Replacement):
         dataset = self._file.create_dataset(
             series.path, (0, *item), float, maxshape=(None, *item), chunks=(self._chunk, *item)
         )
-        dataset.attrs.update(units=series.units, long_name=series.long_name)
+        dataset.attrs.update(units=self._unit(series.units), long_name=series.long_name)
         return dataset
 
     def _write(self, count: int) -> None:

@@ -10,7 +10,7 @@ import fnmatch
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 
@@ -18,6 +18,7 @@ import h5py
 import numpy as np
 
 from ...errors import Fault, FlexmbError
+from ...model.units import Wishes, converted
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, newer_layout, understood
 from .quantity_names import TIME, Family, Slot, families, folded, time_family
 from .unknown_names import hint_for
@@ -41,13 +42,19 @@ class ResultError(FlexmbError):
 
 @dataclass(frozen=True)
 class Quantity:
-    """One number of every report row, `file[dataset][:, *index]`, in `unit`."""
+    """One number of every report row, `file[dataset][:, *index]` times `factor`, in `unit`."""
 
     name: str
     unit: str
     long_name: str
     dataset: str
     index: tuple[int, ...]
+    factor: float = 1.0
+
+    def in_units(self, wishes: Wishes) -> "Quantity":
+        """Return the quantity in the units that are wanted."""
+        unit, factor = converted(self.unit, wishes)
+        return replace(self, unit=unit, factor=factor * self.factor)
 
     @property
     def header(self) -> str:
@@ -185,7 +192,8 @@ def read(result: h5py.File, quantities: Sequence[Quantity], rows: slice = slice(
     values = np.empty((len(range(*rows.indices(len(result[TIME])))), len(quantities)))
     for path, chosen in columns.items():
         index = np.array([quantities[column].index for column in chosen], dtype=int)
-        values[:, chosen] = _elements(result, path, rows, index)
+        factors = np.array([quantities[column].factor for column in chosen])
+        values[:, chosen] = _elements(result, path, rows, index) * factors
     return values
 
 

@@ -44,8 +44,6 @@ FORMS = {
     "stress/max_von_mises": ("stress.{item}.max.von_mises",),
     "stress/max_node": ("stress.{item}.max.node",),
 }  # fmt: skip
-# Unit of the effort along a coordinate in a unit.
-OF_EFFORT = {"m": "N", "rad": "N m"}
 MOTION = (
     "position", "euler_parameters", "velocity", "euler_parameter_rates", "angular_velocity", "acceleration",
     "euler_parameter_accelerations", "angular_acceleration",
@@ -251,8 +249,14 @@ class _Labels:
             return (stated,)
         each = self._listed(f"{group}/unit", dataset.shape[1])
         choices = stated.split(" or ")
-        pairs = [(unit, OF_EFFORT.get(unit)) for unit in each]
-        return tuple(next((c for c in choices if c.split("/")[0] in pair), stated) for pair in pairs)
+        return tuple(_chosen(unit, choices) for unit in each)
+
+
+def _chosen(unit: str, choices: list[str]) -> str:
+    """Return which unit a coordinate's own one means: itself, its rate, or the effort along it."""
+    same = next((choice for choice in choices if choice.split("/")[0] == unit), None)
+    # Torques are products.
+    return same or next(choice for choice in choices if (" " in choice) == (unit == "rad"))
 
 
 def _with_angles(given: list[tuple[str, str]]) -> list[tuple[str, ...]]:

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 import h5py
 import numpy as np
 
+from ...model.units import AS_STORED, Wishes
 from .quantities import Quantity, ResultError, read, time_at, time_quantity
 from .quantity_names import TIME
 
@@ -43,13 +44,18 @@ def chosen_rows(result: h5py.File, start: float | None, stop: float | None, ever
 
 
 def table_text(
-    result: h5py.File, quantities: Sequence[Quantity], rows: range, style: str = "csv"
+    result: h5py.File,
+    quantities: Sequence[Quantity],
+    rows: range,
+    style: str = "csv",
+    wishes: Wishes = AS_STORED,
 ) -> Iterator[str]:
     """Pieces of the table's text: the heads, then the rows block by block; `style` is one of `FORMATS`.
 
-    The time is the first column, whether it is among the quantities or not.
+    The time is the first column, whether it is among the quantities or not; `wishes`: its units.
     """
-    columns = [time_quantity(result), *(quantity for quantity in quantities if quantity.dataset != TIME)]
+    time = time_quantity(result).in_units(wishes)
+    columns = [time, *(quantity for quantity in quantities if quantity.dataset != TIME)]
     heads = [column.header for column in columns]
     if style != "jsonl":
         yield table_lines(heads, [heads], style)

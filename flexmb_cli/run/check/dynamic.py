@@ -23,7 +23,7 @@ from .check import (
 
 def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | None) -> None:
     """Fill the `CheckReport`; raises FlexmbError for what cannot be run."""
-    run.warn(unit_warnings(model))
+    run.warn(unit_warnings(model, run.outcome.system))
     if model.analysis == "forward" or model.elements:
         refuse_jacobian(
             jacobian, "it is printed of kinematics and inverse dynamics without elements at joints"

@@ -29,7 +29,7 @@ CENTRE_ROUND_OFF = 1e-12
 def check(report: CheckReport, mechanism: FlexibleMechanism, run: Run, jacobian: str | None) -> None:
     """Fill the `CheckReport`; raises FlexmbError for what cannot be run."""
     refuse_jacobian(jacobian, "it is printed of mechanisms that drivers move, and of rigid bodies only")
-    run.outcome.faults += unit_warnings(mechanism)
+    run.outcome.faults += unit_warnings(mechanism, run.outcome.system)
     from ...solvers.compilation import interpreting
 
     counts = _parts(mechanism) | report_times(mechanism.time)

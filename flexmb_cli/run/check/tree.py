@@ -30,7 +30,7 @@ def check(report: CheckReport, tree: Tree, run: Run, jacobian: str | None) -> No
     Raises FlexmbError: a loop that cannot be closed, a mass matrix that is not positive definite.
     """
     refuse_jacobian(jacobian, "a tree has relative coordinates and no constraint Jacobian")
-    run.outcome.faults += unit_warnings(tree)
+    run.outcome.faults += unit_warnings(tree, run.outcome.system)
     report.counts = _counts(tree)
     elastic = [_spectrum(body) for body in tree.bodies if body.elastic is not None]
     report.tree = findings = TreeFindings(_start(tree, tree.q, tree.y), None, [], [], {}, elastic)

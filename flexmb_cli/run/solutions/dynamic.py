@@ -49,7 +49,7 @@ def solution(model: DynamicModel, run: Run) -> Solution:
         layout,
         values,
         count,
-        partial(unit_warnings, model),
+        partial(unit_warnings, model, run.outcome.system),
         analysis.warnings,
         partial(finer_motion, partial(_stepped, model), values) if stepped else nothing_to_refine,
         dict(run.options.integration if stepped else run.options.solver),

@@ -35,7 +35,7 @@ def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
         lambda: flexible_layout(mechanism),
         values,
         StepCount(analysis.clock, ConstrainedDrift(TOO_COARSE)),
-        partial(unit_warnings, mechanism),
+        partial(unit_warnings, mechanism, run.outcome.system),
         analysis.warnings,
         partial(finer_motion, partial(_analysis, mechanism), values),
         {"bodies": _digest(analysis.system), **run.options.integration},

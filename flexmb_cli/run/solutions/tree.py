@@ -42,7 +42,7 @@ def solution(tree: Tree, run: Run) -> Solution:
         lambda: tree_layout(tree, point_names(tree), reactions=not absolute),
         partial(values_of, tree),
         TreeCount(analysis.clock, tree, absolute),
-        partial(unit_warnings, tree),
+        partial(unit_warnings, tree, run.outcome.system),
         analysis.warnings,
         finer=partial(_finer_blocks, tree),
         identity={"method": given.method, "rtol": given.rtol, "atol": given.atol, **formulation},

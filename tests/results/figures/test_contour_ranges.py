@@ -78,7 +78,7 @@ def test_the_legend_of_a_film_has_the_largest_stress_of_all_rows(path):
         scene = read_scene(file)
         bodies = list(element_bodies(file, scene.body_names, slice(None)))
     canvas = film._Canvas(scene, bodies, film.FilmLook(320, 200), contour_ranges(bodies))
-    assert canvas.legend == "von Mises stress, 0 to 2.5e+05 Pa"
+    assert canvas.legend == "von Mises stress, 0 to 250 kPa"
 
 
 @pytest.mark.processes
@@ -87,10 +87,10 @@ def test_the_legend_of_the_page_has_the_largest_values_of_all_rows(browser, path
     assert done.exit_code == 0, done.output
     browser.get((tmp_path / "r.html").as_uri())
     wait(lambda: browser.execute_script("return window.flexmb && window.flexmb.ready"))
-    assert part(browser, "legend-text").text == "von Mises stress, 0 to 2.50e+5 Pa"
+    assert part(browser, "legend-text").text == "von Mises stress, 0 to 250 kPa"
     # What the pointer says of a node behind its number: the stress of the first row.
     told = browser.execute_script("const v = window.flexmb.viewer; return v.valueAt(v.surfaces[0], 0)")
-    assert told == ": 250 Pa"
+    assert told == ": 0.250 kPa"
     browser.execute_script("const v = window.flexmb.viewer; v.colouring = 'deformation'; v.show(0)")
     assert part(browser, "legend-text").text == "deformation, 0 to 0.500 m"
 
@@ -159,7 +159,7 @@ def test_the_page_colours_elements_by_their_energies_and_others_by_their_body(br
     browser.execute_script(
         "const v = window.flexmb.viewer; v.colouring = 'strain energy of the element'; v.show(1)"
     )
-    assert part(browser, "legend-text").text == f"strain energy of the element, 0 to {ENERGY:.6f} J"
+    assert part(browser, "legend-text").text == f"strain energy of the element, 0 to {1e6 * ENERGY:.0f} uJ"
     levels = "return [...window.flexmb.viewer.surfaces[0].flat].map(Math.floor)"
     # An end brick shows five faces, the middle one four, of two triangles each.
     assert sorted(browser.execute_script(levels)) == [85] * 10 + [255] * 8
@@ -176,7 +176,7 @@ def test_a_film_is_coloured_by_what_is_asked_for(path, tmp_path):
         bodies = list(element_bodies(file, scene.body_names, slice(None)))
     look = film.FilmLook(320, 200, bodies=BodyLook("principal stress 3"))
     canvas = film._Canvas(scene, bodies, look, contour_ranges(bodies))
-    assert canvas.legend == "principal stress 3, -2.5e+05 to 0 Pa"
+    assert canvas.legend == "principal stress 3, -250 to 0 kPa"
     assert canvas.surfaces[0].values(PEAK) == pytest.approx(0, abs=1e-9)
     assert canvas.surfaces[0].values(PEAK + 1) == pytest.approx(1, abs=1e-9)
     done = CliRunner().invoke(report, [str(path), "--movie", str(tmp_path / "a.gif"), "--colours", "stress"])

@@ -80,9 +80,10 @@ def test_energies_are_drawn_by_default_as_changes_and_their_sum_by_itself(tmp_pa
         "kinetic energy": [0.0, 3.0],
         "potential energy": [0.0, -3.0],
     }
-    assert (changes.y_label, drift.y_label) == ("change of energy [J]", "change of total energy [J]")
-    assert drift.curves[0].y == pytest.approx([0.0, -1e-6], rel=1e-3)
-    assert [curve.y[0] for curve in together.curves] == [2.0, 1e6, 1e6 + 2.0]
+    assert (changes.y_label, drift.y_label) == ("change of energy [J]", "change of total energy [uJ]")
+    assert drift.curves[0].y == pytest.approx([0.0, -1.0], rel=1e-3)
+    assert together.unit == "MJ"
+    assert [curve.y[0] for curve in together.curves] == pytest.approx([2e-6, 1.0, 1.000002], rel=1e-12)
 
 
 def test_energies_that_do_not_change_are_not_drawn_but_named(tmp_path):

@@ -21,6 +21,7 @@ from ....model.laws import Element, Frames
 from ....model.loads import AppliedTorque
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS
+from ....model.units import Units
 from ....model.vectors import euler_parameters
 from ...elements_block.writer import BlockWriter, block, numbers
 from ..cards import CARDS
@@ -33,7 +34,7 @@ _SAME_AXES = 1e-9
 _ROUND_OFF = 1e-15  # m, of frames
 
 
-def rigid_deck(model: RigidModel, title: str, units: str) -> str:
+def rigid_deck(model: RigidModel, title: str, units: Units) -> str:
     """Return the deck's text; raises ModelError with all that a tree of rigid bodies cannot have."""
     deck = _Deck(model)
     deck.refuse_foreign()
@@ -41,7 +42,7 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     lines = deck.block() if not deck.refusals.items else []
     deck.refusals.raise_faults()
     rounding = f"Numbers are rounded to their columns, relatively by {deck.rounding:.1g} at most."
-    notes = [f"Units: {units}.", *(f"{note}." for note in model.notes), *deck.notes(), rounding]
+    notes = [f"Units: {units.reported}.", *(f"{note}." for note in model.notes), *deck.notes(), rounding]
     return text_of(deck_lines(records, lines)) + "".join(f"{note}\n" for note in notes)
 
 

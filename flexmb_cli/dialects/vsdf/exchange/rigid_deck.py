@@ -13,6 +13,7 @@ from ....model.joints import ANGLE
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS, ShapeCard
 from ....model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE
+from ....model.units import Units
 from ...elements_block.writer import BlockWriter, block, numbers
 from ..cards import BY_WORD, FINAL, SHAPES
 from ..joints import BY_WORD as JOINTS
@@ -27,7 +28,7 @@ FIRST_FUNCTION = 1001  # numbers of tables are smaller: functions have none of t
 _BEYOND = 1e-9  # of the largest moment of inertia
 
 
-def rigid_deck(model: RigidModel, title: str, units: str) -> str:
+def rigid_deck(model: RigidModel, title: str, units: Units) -> str:
     """Return the deck's text; raises ModelError with all that VSDF does not know."""
     deck = _Deck(model)
     elements = deck.element_lines()  # nodes of their ends are cards
@@ -35,7 +36,7 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
     deck.refusals.raise_faults()
     lines = [
         f"VSDF {title}",
-        f"* Units: {units}.",
+        f"* Units: {units.reported}.",
         *(f"* {note}." for note in (*model.notes, *notes_of(model.shapes))),
     ]
     for word, records in cards:

@@ -10,6 +10,7 @@ from ....model.exchange.functions import constant, polynomial_of, value_of
 from ....model.exchange.rigid_model import Refusals, RigidJoint, RigidModel, across, notes_of
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS, ShapeCard
+from ....model.units import Units
 from ...elements_block.writer import BlockWriter, block, numbers
 from ..cards import CARDS
 from ..integration_cards import LEAST_TOLERANCE, MOST_TOLERANCE
@@ -19,12 +20,12 @@ _LINKS = {"revolute-spherical": "revsph", "spherical-spherical": "sphsph"}
 _KIND = {"fixed": "revolute"}  # whose angle a driver holds
 
 
-def rigid_deck(model: RigidModel, title: str, units: str) -> str:
+def rigid_deck(model: RigidModel, title: str, units: Units) -> str:
     """Return the deck's text; raises ModelError with all that YOUNG does not know."""
-    deck = _Deck(model)
+    deck = _Deck(model, units)
     lines = deck.lines()
     deck.refusals.raise_faults()
-    notes = [title, f"Units: {units}", *model.notes, *notes_of(model.shapes)]
+    notes = [title, f"Units: {units.reported}", *model.notes, *notes_of(model.shapes)]
     head = [f"{{ {note.replace('{', '(').replace('}', ')')} }}" for note in notes]
     return "\n".join([*head, *lines, ""])
 
@@ -35,8 +36,8 @@ class _Deck(BlockWriter):
     dialect, function_id = "YOUNG", "YOUNG-165"
     reserved = frozenset([*(section.name for section in YOUNG_SECTIONS), *(card.section for card in CARDS)])
 
-    def __init__(self, model: Any):
-        self.model, self.refusals = model, Refusals()
+    def __init__(self, model: Any, units: Units):
+        self.model, self.refusals, self.units = model, Refusals(), units
         self.functions = FunctionCards()
         proper = [joint for joint in model.joints if joint.kind not in _LINKS]
         self.with_ground = any(GROUND in (joint.i, joint.j) for joint in proper)
@@ -55,6 +56,7 @@ class _Deck(BlockWriter):
         model, time = self.model, self.model.time
         drives = [self._driver(n, item) for n, item in enumerate(model.drivers, start=1)]
         loads = self._loads()
+        system = [f"UNITS {self.units.name}"] if self.units.length != 1.0 else []
         elements = [*(line for _, line in drives if line), *self._joint_lines(), *self.element_lines()]
         return [
             _line(*self._counts()),
@@ -70,7 +72,7 @@ class _Deck(BlockWriter):
             *self._masses(),
             f"GRAVITY {_line(*model.gravity)}",
             *loads,
-            *block([*self.function_lines(), *elements]),
+            *block([*system, *self.function_lines(), *elements]),
             *self._method(),
             *map(_shape, model.shapes),
             "END",

@@ -38,9 +38,9 @@ class Viewer extends Scene {
   tell() {
     this.part("time").textContent = `t = ${this.scene.labels[this.frame]} s`;
     this.part("slider").value = this.frame;
-    const range = this.wanted(), whole = this.ranges[this.colouring], span = (ends, unit) => `${told(ends.low, "")} to ${told(ends.high, unit)}`;
+    const range = this.wanted(), whole = this.ranges[this.colouring], span = (ends, unit) => `${told(ends.low * whole.factor, "")} to ${told(ends.high * whole.factor, unit)}`;
     this.part("legend").hidden = range === undefined || !this.contoured.length;
-    this.part("legend-text").textContent = range === undefined ? "" : `${this.colouring}, ${span(range, range.unit)}${this.chosen[this.colouring] ? ` (of ${span(whole, "")})` : ""}${this.magnify === 1 ? "" : `; deformation × ${this.magnify}`}`;
+    this.part("legend-text").textContent = range === undefined ? "" : `${this.colouring}, ${span(range, whole.unit)}${this.chosen[this.colouring] ? ` (of ${span(whole, "")})` : ""}${this.magnify === 1 ? "" : `; deformation × ${this.magnify}`}`;
   }
 
   part(name) { return this.box.querySelector(`[data-part="${name}"]`); }
@@ -85,7 +85,7 @@ class Viewer extends Scene {
     const whole = this.ranges[this.colouring], chosen = this.chosen[this.colouring] || ["", ""];
     ["low", "high"].forEach((name, k) => {
       const field = this.part(name);
-      field.value = chosen[k] === "" ? "" : brief(chosen[k]); field.placeholder = whole ? told(whole[name], "") : "";
+      field.value = chosen[k] === "" ? "" : brief(chosen[k] * whole.factor); field.placeholder = whole ? told(whole[name] * whole.factor, "") : "";
     });
     this.part("low").parentElement.hidden = !whole || !this.contoured.length;
     this.warn("");
@@ -95,14 +95,14 @@ class Viewer extends Scene {
     const whole = this.ranges[this.colouring], fields = [this.part("low"), this.part("high")];
     const bad = fields.some(field => field.validity.badInput), empty = fields.every(field => field.value === "");
     // A field that still has its brief number keeps the whole one.
-    const before = this.chosen[this.colouring], kept = (field, k) => before && field.value === brief(before[k]) ? before[k] : field.valueAsNumber;
+    const before = this.chosen[this.colouring], kept = (field, k) => before && field.value === brief(before[k] * whole.factor) ? before[k] : field.valueAsNumber / whole.factor;
     const [low, high] = fields.map((field, k) => field.value === "" ? [whole.low, whole.high][k] : kept(field, k));
     if (bad || (!empty && !(low < high))) {
       this.offerRange();
       return this.warn("The first number of the range must be smaller than the second; the range stays.");
     }
     if (empty) delete this.chosen[this.colouring]; else this.chosen[this.colouring] = [low, high];
-    fields.forEach((field, k) => { if (field.value !== "") field.value = brief([low, high][k]); });
+    fields.forEach((field, k) => { if (field.value !== "") field.value = brief([low, high][k] * whole.factor); });
     this.warn("");
   }
 
@@ -178,14 +178,14 @@ class Viewer extends Scene {
       const z = az + v * (bz - az) + w * (cz - az);
       if (area < 0 && v >= 0 && w >= 0 && v + w <= 1 && z > height) { height = z; found = one.columns[t / 3]; }
     }
-    return found < 0 ? "" : ` element ${one.elements[found]}: ${told(this.energyOf(one, found), range.unit)}`;
+    return found < 0 ? "" : ` element ${one.elements[found]}: ${told(this.energyOf(one, found) * this.ranges[ENERGY].factor, this.ranges[ENERGY].unit)}`;
   }
 
   // The value of what is coloured at a node.
   valueAt(one, n) {
     const range = this.rangeOf(one);
     if (!range || this.colouring === ENERGY) return "";
-    return `: ${told(range.low + one.values[n] * (range.high - range.low) / (STEPS - 1e-3), range.unit)}`;
+    return `: ${told((range.low + one.values[n] * (range.high - range.low) / (STEPS - 1e-3)) * this.ranges[this.colouring].factor, this.ranges[this.colouring].unit)}`;
   }
 
   play() {
