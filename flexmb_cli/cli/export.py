@@ -29,7 +29,7 @@ from .terminal.screen import WrongCall
 if TYPE_CHECKING:
     import h5py
 
-    from ..model.units import Wishes
+    from ..deck.units import Wishes
 
 
 SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from ..deck.units import UNITS as SYSTEMS
+from ..deck.units import Units
 from ..errors import Fault, FaultList, Place
-from .units import UNITS as SYSTEMS
-from .units import Units
 
 if TYPE_CHECKING:  # a run imports the models of its own dialect only
     from .flexible_mechanism import FlexibleMechanism, FloatingBody

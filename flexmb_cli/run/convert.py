@@ -5,6 +5,7 @@ from pathlib import PurePath
 from typing import Any
 
 from ..deck.record import Deck, DeckText
+from ..deck.units import UNITS, Units
 from ..dialects import DIALECTS
 from ..dialects.elements_block.line import has_outputs, lines_of, system_of
 from ..dialects.recognise import dialect_named, read_deck
@@ -12,7 +13,6 @@ from ..errors import DeckError, Fault, FlexmbError, ModelError, visible
 from ..model.exchange.conversion import Start
 from ..model.exchange.units import in_units
 from ..model.loads import DynamicModel
-from ..model.units import UNITS, Units
 from ..results.models.exudyn import exudyn_script
 from ..results.models.mjcf import mjcf
 from .model import analysis_of, folder_of, model_of, open_deck
@@ -33,7 +33,7 @@ def converted(
 ) -> str:
     """Return the model of the deck at `path` as text of a form: "mjcf", "exudyn", or a dialect.
 
-    `unit`, `to_unit`: names of `model.units.UNITS`, in which the numbers of the deck are, and those
+    `unit`, `to_unit`: names of `deck.units.UNITS`, in which the numbers of the deck are, and those
     of the new deck are to be.  `outcome` receives the warnings about the deck.  Raises FlexmbError, with the
     deck's name, for a deck with errors and for what the form cannot hold.
     """

@@ -10,8 +10,8 @@ from typing import Any
 import h5py
 import numpy as np
 
+from ..deck.units import Wishes, converted
 from ..errors import Fault, visible
-from ..model.units import Wishes, converted
 from ..results.hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, understood
 from ..results.quantities.quantities import NOTHING, SHOWS_ALL, ResultError
 from ..results.quantities.quantity_names import folded

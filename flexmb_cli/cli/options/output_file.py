@@ -126,7 +126,7 @@ class UnitNames(click.ParamType):  # type: ignore[type-arg]
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the units, or raise a usage error."""
-        from ...model.units import wishes_of
+        from ...deck.units import wishes_of
 
         try:
             return wishes_of(value.split(",")) if isinstance(value, str) else value

@@ -11,10 +11,10 @@ from typing import Any
 from ...deck import number
 from ...deck.expansion.expressions import FORMULA
 from ...deck.record import Lines, Number
+from ...deck.units import UNITS as SYSTEMS
 from ...deck.words import Word
 from ...errors import Fault, FaultList, Place
 from ...model.laws import VECTOR
-from ...model.units import UNITS as SYSTEMS
 from .line import EQUILIBRIUM, MASS, MOST_ELEMENTS, OUTPUT, SECTION, UNITS, ElementLine
 from .text import BLOCK, statements
 from .words import (

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from ...deck.expansion.expressions import FORMULA
+from ...deck.units import UNITS as SYSTEMS
 from ...model.laws import FUNCTIONS, LAWS, PAIRS, REQUIRED, VECTOR, At, Joint, Law, Parameter, Push, Touch
-from ...model.units import UNITS as SYSTEMS
 from .line import MASS, OUTPUT, UNITS
 
 # What the text behind `key=` is; numbers and vectors as in `model.laws`.

@@ -3,11 +3,11 @@
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+from ...deck.units import Units
 from ..joint_elements import Coupling
 from ..joints import ANGLE
 from ..laws import OF_TIME, Cam, Element, Frames, Line, Parameter
 from ..time_functions import MotionFunction
-from ..units import Units
 from .functions import transformed
 from .rigid_model import RigidModel, vector
 

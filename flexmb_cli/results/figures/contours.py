@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import h5py
 import numpy as np
 
-from ...model.units import UNITS, Units, Wishes, converted, declared, with_prefix
+from ...deck.units import UNITS, Units, Wishes, converted, declared, with_prefix
 from ..hdf5.stored_result import attribute
 from ..hdf5.stress import COMPONENTS, MOST_STRESSES, strains, von_mises
 from ..quantities.quantities import ResultError

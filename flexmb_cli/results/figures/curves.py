@@ -7,9 +7,9 @@ from itertools import takewhile
 import h5py
 import numpy as np
 
+from ...deck.units import AS_STORED, Wishes, in_si, with_prefix
 from ...dialects import DIALECTS
 from ...dialects.recognise import dialect_named
-from ...model.units import AS_STORED, Wishes, in_si, with_prefix
 from ..hdf5.stored_result import attribute
 from ..quantities.quantities import Quantity, names, read
 from ..quantities.readable import Readable, readable

@@ -19,10 +19,10 @@ import h5py
 import numpy as np
 
 from ...deck.record import DeckText
+from ...deck.units import AS_STORED, Wishes
 from ...dialects.recognise import read_deck
 from ...dialects.settings import apply_settings
 from ...errors import DeckError, lines_visible
-from ...model.units import AS_STORED, Wishes
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, is_number, is_text, settings_of, texts
 from ..quantities.quantities import ResultError, names, remarks, shortfall
 from ..texts.echo import echo

@@ -16,9 +16,9 @@ import h5py
 import numpy as np
 
 from ...deck.record import Deck
+from ...deck.units import UNITS, declared
 from ...dialects.elements_block.line import system_of
 from ...errors import COMPLETE, FAILED, OutputError
-from ...model.units import UNITS, declared
 from ...solvers.as_printed.errors import AS_PRINTED, EMULATED
 from ...version import __version__
 from ..files.disk_failures import FullDiskGuard, located

@@ -17,8 +17,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from ...deck.units import Wishes, converted
 from ...errors import Fault, FlexmbError
-from ...model.units import Wishes, converted
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, newer_layout, understood
 from .quantity_names import TIME, Family, Slot, families, folded, time_family
 from .unknown_names import hint_for

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import h5py
 import numpy as np
 
-from ...model.units import AS_STORED, Wishes
+from ...deck.units import AS_STORED, Wishes
 from .quantities import Quantity, ResultError, read, time_at, time_quantity
 from .quantity_names import TIME
 

@@ -4,10 +4,10 @@ from collections.abc import Callable
 from functools import partial
 
 from ...deck.record import Deck, Lines, Number, Record
+from ...deck.units import UNITS, declared
 from ...dialects.elements_block.line import system_of
 from ...dialects.recognise import dialect_named
 from ...errors import visible
-from ...model.units import UNITS, declared
 
 HEADINGS = ("line", "name", "value", "unit", "meaning")
 _ALIGN_RIGHT = (True, False, True, False, False)

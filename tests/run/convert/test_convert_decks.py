@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from flexmb_cli.cli.convert import UNITS as CHOICES
+from flexmb_cli.deck.units import UNITS
 from flexmb_cli.errors import ModelError
 from flexmb_cli.interface import read_deck, solve
-from flexmb_cli.model.units import UNITS
 from flexmb_cli.model.vectors import rotation_matrix
 from flexmb_cli.run.convert import converted
 from flexmb_cli.run.model import model_of

@@ -13,6 +13,7 @@ import numpy as np
 from ....deck.dialogue import text_of
 from ....deck.fortran_fields import filled
 from ....deck.record import Number, Record
+from ....deck.units import Units
 from ....model.exchange.function_cards import FunctionCards
 from ....model.exchange.functions import points_of, value_of
 from ....model.exchange.rigid_model import Refusals, RigidModel, shifted
@@ -21,7 +22,6 @@ from ....model.laws import Element, Frames
 from ....model.loads import AppliedTorque
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS
-from ....model.units import Units
 from ....model.vectors import euler_parameters
 from ...elements_block.writer import BlockWriter, block, numbers
 from ..cards import CARDS

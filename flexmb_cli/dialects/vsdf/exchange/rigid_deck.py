@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ....deck.units import Units
 from ....model.exchange.function_cards import FunctionCards, without_card
 from ....model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
 from ....model.exchange.rigid_model import Refusals, RigidBody, RigidJoint, RigidModel, across, notes_of
@@ -13,7 +14,6 @@ from ....model.joints import ANGLE
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS, ShapeCard
 from ....model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE
-from ....model.units import Units
 from ...elements_block.writer import BlockWriter, block, numbers
 from ..cards import BY_WORD, FINAL, SHAPES
 from ..joints import BY_WORD as JOINTS

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 
 from ....deck.record import Deck, Number
-from ....model.units import Units
+from ....deck.units import Units
 from .. import DIALECT
 from ..dynamic_cards import analysis_of
 

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
+from ....deck.units import Units
 from ....model.exchange.function_cards import FunctionCards
 from ....model.exchange.functions import constant, polynomial_of, value_of
 from ....model.exchange.rigid_model import Refusals, RigidJoint, RigidModel, across, notes_of
 from ....model.mechanism import GROUND
 from ....model.shapes import KINDS, ShapeCard
-from ....model.units import Units
 from ...elements_block.writer import BlockWriter, block, numbers
 from ..cards import CARDS
 from ..integration_cards import LEAST_TOLERANCE, MOST_TOLERANCE

@@ -15,9 +15,9 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli.cli import cli
-from flexmb_cli.model.units import TABLE, UNITS, converted, declared, with_prefix
+from flexmb_cli.deck.units import TABLE, UNITS, converted, declared, with_prefix
 
-DECKS = Path(__file__).resolve().parents[2] / "decks"
+DECKS = Path(__file__).resolve().parents[3] / "decks"
 
 BLOCK = "ELEMENTS\n  UNITS mm\n"
 
