@@ -16,7 +16,7 @@ RETIRED = {
     "DAFMS-076": "DECK-066", "YOUNG-155": "DECK-066",
     "DAFMS-184": "DAFMS-173", "SOLVE-004": "SOLVE-042", "VSDF-177": "", "VSDF-178": "",
     "DECK-015": "", "DECK-017": "",
-    "FE-014": "FE-252", "FE-017": "FE-199", "FE-107": "FE-253", "FE-132": "FE-255",
+    "FE-014": "FE-252", "FE-017": "FE-199", "FE-107": "FE-253", "FE-132": "FE-139",
     "FE-035": "FE-199", "FE-098": "FE-054",
     "FE-198": "", "FE-203": "FE-202", "MODEL-009": "SOLVE-028", "MODEL-014": "MODEL-015",
     "RUN-006": "RESULT-007", "RUN-011": "", "RUN-027": "MODEL-017", "RUN-029": "", "RUN-032": "",
@@ -50,7 +50,8 @@ RETIRED = {
     "ELEMENTS-024": "ELEMENTS-047", "ELEMENTS-028": "ELEMENTS-037", "DAFMS-077": "ELEMENTS-056",
     "DAFMS-078": "DAFMS-194", "DAFMS-080": "DAFMS-193", "DAFMS-082": "ELEMENTS-034",
     "DAFMS-083": "ELEMENTS-033", "DAFMS-084": "DAFMS-192", "DAFMS-086": "ELEMENTS-052",
-    "VSDF-101": "VSDF-214", "VSDF-102": "", "VSDF-105": "VSDF-215",
+    "VSDF-101": "VSDF-214", "VSDF-102": "", "VSDF-105": "VSDF-215", "VSDF-104": "MODEL-062",
+    "FE-057": "FE-142", "FE-254": "", "FE-255": "",
 }  # fmt: skip
 # How every reader refuses a word that is no number (`deck/number.py`), and what it warns of.
 NUMERAL = (

@@ -108,6 +108,7 @@ def _largest(remainder: np.ndarray) -> int:
 # J2 has 9 N² numbers, and copies while it is made: a run with so many shapes takes 1.1 GB, seconds a step.
 LARGEST_BASIS = 1500
 _AXES = ("e1", "e2", "e3")
+_COMPONENTS = ("modal", *_AXES, *(f"about {axis}" for axis in _AXES))
 
 
 @dataclass(frozen=True)
@@ -132,17 +133,18 @@ def basis_of(
 ) -> Basis | None:
     """Return the basis for stiffness `K` and mass `S` (3 n, 3 n), body axes; None with a fault found."""
     available = K.shape[0] - (6 if frame.mean else len(frame.held))
-    if not _check_count(given, available, findings):
+    if not _check_count(given, frame, available, findings):
         return None
     try:
         if given.interface:
             return _interface_basis(given, K, S, frame)
         return _eigen_basis(given, K, S, frame, available)
     except NegativeStrain as motion:
-        findings.error(given.name, _negative_strain(given, motion.shape), given.stiffness.place, id="FE-001")
+        message = _negative_strain(given, frame, motion.shape)
+        findings.error(given.name, message, given.stiffness.place, id="FE-001")
     except FreeMotion as motion:
         place = given.place if _clamped_on_a_line(given) else given.stiffness.place
-        findings.error(given.name, _free_motion(given, motion.shape), place, id="FE-002")
+        findings.error(given.name, _free_motion(given, frame, motion.shape), place, id="FE-002")
     except IndefiniteMass:
         message = "the mass matrix is not positive definite; is it complete, or of another model?"
         findings.error(given.name, message, given.mass.place, id="FE-003")
@@ -151,13 +153,13 @@ def basis_of(
     return None
 
 
-def _check_count(given: FlexibleInput, available: int, findings: Findings) -> bool:
+def _check_count(given: FlexibleInput, frame: Frame, available: int, findings: Findings) -> bool:
     if given.modes > available:
         message = f"{given.modes} modes are requested, and the body has {available}; 0 takes all"
         findings.error(given.name, message, given.place, id="FE-005")
         return False
     wanted = given.modes or (0 if given.interface else available)
-    wanted += 3 * (len(given.attachment) + len(given.interface))
+    wanted += len(_rows_of(given, frame, (*given.attachment, *given.interface)))
     if wanted > LARGEST_BASIS:
         message = (
             f"{wanted} shapes are more than the {LARGEST_BASIS} that can be kept, since inertia takes "
@@ -169,16 +171,22 @@ def _check_count(given: FlexibleInput, available: int, findings: Findings) -> bo
     return True
 
 
-def _negative_strain(given: FlexibleInput, shape: np.ndarray) -> str:
-    node = given.numbers[int(np.argmax(np.abs(shape))) // 3]
+def _largest_at(given: FlexibleInput, frame: Frame, shape: np.ndarray) -> int:
+    """Return the node, or modal row, that a shape moves most."""
+    row = int(np.argmax(np.abs(shape)))
+    return int(given.numbers[row // 3] if frame.labels is None else frame.labels[row, 0])
+
+
+def _negative_strain(given: FlexibleInput, frame: Frame, shape: np.ndarray) -> str:
+    node = _largest_at(given, frame, shape)
     return (
         f"the stiffness is not positive semidefinite: a deformation, largest at node {node}, gives "
         "energy away; is it a tangent stiffness beyond buckling, or spoilt on its way?"
     )
 
 
-def _free_motion(given: FlexibleInput, shape: np.ndarray) -> str:
-    node = given.numbers[int(np.argmax(np.abs(shape))) // 3]
+def _free_motion(given: FlexibleInput, frame: Frame, shape: np.ndarray) -> str:
+    node = _largest_at(given, frame, shape)
     if given.interface:
         return (
             "the interface nodes do not hold the body: three that are not on one line are needed "
@@ -214,7 +222,9 @@ def _clamped_on_a_line(given: FlexibleInput) -> bool:
     return len(held) < 3 or spread[1] <= COLLINEAR * spread[0]
 
 
-def _rows_of(given: FlexibleInput, nodes: tuple[int, ...]) -> np.ndarray:
+def _rows_of(given: FlexibleInput, frame: Frame, nodes: tuple[int, ...]) -> np.ndarray:
+    if frame.labels is not None:
+        return np.flatnonzero(np.isin(frame.labels[:, 0], nodes) & (frame.labels[:, 1] > 0))
     first = np.array([3 * int(np.flatnonzero(given.numbers == node)[0]) for node in nodes], dtype=np.int64)
     return distinct(first[:, None] + np.arange(3))
 
@@ -238,7 +248,7 @@ def _eigen_basis(given: FlexibleInput, K: np.ndarray, S: np.ndarray, frame: Fram
 
 def _with_attachment(given: FlexibleInput, K: Any, S: Any, frame: Frame, basis: Basis) -> Basis:
     """The eigenmodes and the static shapes under forces at the nodes of the deck."""
-    rows = _rows_of(given, given.attachment)
+    rows = _rows_of(given, frame, given.attachment)
     moving = np.setdiff1d(rows, frame.held)
     attached = unit_forces(K.shape[0], moving)
     shapes = np.hstack([basis.shapes, static_shapes(K, S, frame, attached)])
@@ -249,18 +259,20 @@ def _with_attachment(given: FlexibleInput, K: Any, S: Any, frame: Frame, basis: 
     left_out = max(count + basis.left_out - len(found.values), 0)
     following = basis.next_value if left_out else math.nan
     shapes = modes.signed(found.shapes)
-    return Basis(found.values, shapes, found.massless, _named(given, superfluous), left_out, following)
+    return Basis(found.values, shapes, found.massless, _named(given, frame, superfluous), left_out, following)
 
 
 def _interface_basis(given: FlexibleInput, K: np.ndarray, S: np.ndarray, frame: Frame) -> Basis:
-    rows, count = modes.interface_rows(frame, _rows_of(given, given.interface)), given.modes
+    rows, count = modes.interface_rows(frame, _rows_of(given, frame, given.interface)), given.modes
     found = reduced_basis(*modes.craig_bampton(K, S, frame, rows, count), S, count)
     superfluous = np.setdiff1d(rows, rows[found.kept[found.kept >= count] - count])
     inner = K.shape[0] - len(rows)
-    shapes, named = modes.signed(found.shapes), _named(given, superfluous)
+    shapes, named = modes.signed(found.shapes), _named(given, frame, superfluous)
     return Basis(found.values, shapes, found.massless, named, inner - count, math.nan)
 
 
-def _named(given: FlexibleInput, rows: np.ndarray) -> tuple[tuple[int, str], ...]:
+def _named(given: FlexibleInput, frame: Frame, rows: np.ndarray) -> tuple[tuple[int, str], ...]:
     """Node and axis of the body frame of degrees of freedom `rows`."""
+    if frame.labels is not None:
+        return tuple((int(node), _COMPONENTS[component]) for node, component in frame.labels[rows])
     return tuple((int(given.numbers[row // 3]), _AXES[row % 3]) for row in rows)

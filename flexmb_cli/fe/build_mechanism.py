@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..deck.lazy import Made
-from ..errors import Fault, ModelError
-from ..model.fe_model import End, NodeForce, NodeJoint, Pin, VsdfBody, VsdfModel
+from ..errors import Fault, ModelError, Place
+from ..model.fe_model import BodyTorque, End, NodeForce, NodeJoint, Pin, VsdfBody, VsdfModel
 from ..model.flexible_body import FlexibleInput
 from ..model.flexible_mechanism import (
     FlexibleMechanism,
@@ -101,6 +101,11 @@ def _body(given: VsdfBody, pose: tuple[np.ndarray, np.ndarray], *inertia: Any) -
     return FloatingBody(given.name, *pose, *motion, *inertia, **places)
 
 
+def _turns_against(bushing: Element) -> bool:
+    """Return whether a bushing has stiffness or damping about axes."""
+    return any(any(bushing[name]) for name in ("kr", "cr"))
+
+
 class _Points:
     """The model's ends as points of the bodies built."""
 
@@ -121,7 +126,7 @@ class _Points:
             self._all(self._pin, model.pins),
             model.motions,
             self._all(self._force, model.forces),
-            model.torques,
+            tuple(replace(item, at=self._turning(item)) for item in model.torques),
             tuple(map(self._spring, model.springs)),
             self._all(self.point, model.outputs),
             elements=self._elements(),
@@ -150,9 +155,46 @@ class _Points:
         if body.flexible is None:
             return NodePoint(name, end.body, given.position(end.node), np.zeros((3, 0)))
         members = given.members(end.node)
+        if len(members) == 1:
+            return self._node(name, end, given, members[0])
         r0 = np.mean([body.flexible.position(node) for node in members], axis=0)
         shape = np.mean([body.flexible.shape(node) for node in members], axis=0)
         return NodePoint(name, end.body, r0, shape)
+
+    def _node(self, name: str, end: End, given: VsdfBody, node: int) -> NodePoint:
+        """The point of a node, or of an arm on it, which turns where the matrices have its rotations."""
+        body, arm = self.bodies[end.body].reduced, given.arms.get(end.node)
+        try:
+            r0, shape, turn = body.position(node), body.shape(node), body.rotation(node)
+        except KeyError:
+            message = f"the matrices have no rows of all three displacements of node {node}; take another"
+            raise ModelError([Fault("error", message, given.place, given.name, id="MODEL-060")]) from None
+        if arm is None:
+            return NodePoint(name, end.body, r0, shape, turn)
+        if turn is None:
+            message = (
+                f"the matrices have no rotations of node {node} (components 4, 5, 6), which would turn arm "
+                f"{end.node}; take nodes, or matrices with them"
+            )
+            raise ModelError([Fault("error", message, arm.place, given.name, id="MODEL-061")])
+        offset = body.axes.T @ arm.offset
+        return NodePoint(name, end.body, r0 + offset, shape, turn, offset)
+
+    def _turning(self, item: BodyTorque) -> NodePoint | None:
+        """The point on whose rotation a torque acts."""
+        if item.at is None:
+            return None
+        point = self.point(item.at)
+        self._check_turning(point, item.name, item.place)
+        return point
+
+    def _check_turning(self, point: NodePoint, owner: str, place: Place | None) -> None:
+        if point.body != GROUND and self.bodies[point.body].flexible and point.turn is None:
+            message = (
+                f"{point.name} does not turn: the matrices of its body have no rotations there (components "
+                "4, 5, 6); give a pair of forces, or several elements at nodes apart"
+            )
+            raise ModelError([Fault("error", message, place, owner, id="MODEL-062")])
 
     def _elements(self) -> Any:
         """The elements between nodes as such between points."""
@@ -167,6 +209,11 @@ class _Points:
         if not isinstance(ends, Line | Frames | Push | Touch):
             return item
         ends = ends._replace(P_i=self.point(ends.P_i), P_j=self.point(ends.P_j))
+        turns = isinstance(ends, Push) and ends.turning
+        if turns or (isinstance(ends, Frames) and _turns_against(item)):
+            for point in (ends.P_i, ends.P_j):
+                if isinstance(point, NodePoint):
+                    self._check_turning(point, item.name, item.place)
         if isinstance(ends, Touch):
             more = (tuple((i, self.point(P)) for i, P in more) for more in (ends.more_i, ends.more_j))
             ends = ends._replace(more_i=next(more), more_j=next(more))

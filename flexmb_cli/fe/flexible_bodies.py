@@ -25,7 +25,7 @@ from .formats.formats import content_of
 from .formats.matrix_file import FEFileFault
 
 # To be raised when the arrays, or how they are computed, change.
-LAYOUT = 17
+LAYOUT = 18
 # Bytes behind the arrays: a damage anywhere makes the body anew, instead of another body.
 DIGEST = 32
 _VARIABLES = (("FLEXMB_CACHE_DIR", ""), ("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache"))
@@ -93,6 +93,7 @@ def _settings(given: FlexibleInput) -> str:
         given.interface,
         given.modes,
         tuple(float(value).hex() for value in given.damping),
+        given.ratios,
         loads,
         given.stiffening and (given.stiffening.young.hex(), given.stiffening.poisson.hex()),
     )
@@ -135,7 +136,7 @@ def _digest(key: str, content: bytes) -> bytes:
 
 def _restored(given: FlexibleInput, notes: dict[Any, Any], stored: Any) -> tuple[FlexibleBody, Any]:
     arrays = {name: stored[name] for name in _ARRAYS}
-    for name in ("m", "mass_deviation", "rigid_residual", "massless", "massless_in_motion"):
+    for name in ("m", "mass_deviation", "rigid_residual", "massless", "massless_in_motion", "estimated"):
         arrays[name] = arrays[name].item()
     left_out = notes["dropped"]
     left_out["shapes"] = tuple((node, axis) for node, axis in left_out["shapes"])

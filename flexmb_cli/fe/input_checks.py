@@ -69,27 +69,32 @@ def check_holes(
         )
 
 
+def is_condensed(given: FlexibleInput, S: np.ndarray, K: np.ndarray) -> bool:
+    """Return whether a mass is none of solid elements but condensed (Guyan): S^ij are no multiples of E."""
+    exchanged = Findings()
+    _check_exchanged(given, S, K, exchanged)
+    return not exchanged.has_errors and _anisotropy(S)[0] > ISOTROPIC_ERROR
+
+
+def _anisotropy(S: np.ndarray) -> tuple[float, int]:
+    """The largest deviation of S^ij from multiples of E (24), relative to the largest entry, and its row."""
+    difference = abs(S - in_three_directions(scalar_mass(S)))
+    return float(difference.max() / _largest(S)), int(difference.argmax()) // difference.shape[1]
+
+
 def check_isotropy(given: FlexibleInput, S: np.ndarray, findings: Findings) -> float:
     """S^ij must be multiples of E (24): the largest deviation, relative to the largest entry of S."""
-    scalar = scalar_mass(S)
-    difference = abs(S - in_three_directions(scalar))
-    deviation = float(difference.max() / _largest(S))
+    deviation, row = _anisotropy(S)
     if deviation > ISOTROPIC_DOUBT:
-        row = int(difference.argmax()) // difference.shape[1]
-        severe = deviation > ISOTROPIC_ERROR
         message = (
             f"the mass of directions x, y, z differs by {deviation:.1e} of the largest entry, most at node "
             f"{given.numbers[row // 3]}: the equations need equal masses in all directions and none between "
-            "them"
+            "them; their mean is taken"
         )
-        doubt = "; a mass condensed to a substructure or superelement, or internal degrees of freedom in it?"
-        remedy = f"{doubt} export the matrix of solid elements"
-        if severe:
-            findings.error(given.name, message + remedy, given.mass.place, id="FE-057")
-        else:
-            findings.warn(given.name, message + "; their mean is taken", given.mass.place, id="FE-058")
-    if not scalar.sum() > 0:
-        message = f"its mass is {scalar.sum():.6g} kg; it must be above zero"
+        findings.warn(given.name, message, given.mass.place, id="FE-058")
+    mass = scalar_mass(S).sum()
+    if not mass > 0:
+        message = f"its mass is {mass:.6g} kg; it must be above zero"
         findings.error(given.name, message, given.mass.place, id="FE-059")
     return deviation
 

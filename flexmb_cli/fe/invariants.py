@@ -23,11 +23,19 @@ def inertia_invariants(r0: np.ndarray, Phi: np.ndarray, mass: np.ndarray) -> dic
     # Block (k, l) of the products is G of shapes k and l; shape 0 is r0.
     G = (U.T @ weighted).reshape(N + 1, 3, N + 1, 3).transpose(0, 2, 1, 3)
     sums = weighted.sum(axis=0).reshape(N + 1, 3)
+    return invariants_of(float(mass.sum()), sums, G)
+
+
+def invariants_of(m: float, sums: np.ndarray, G: np.ndarray) -> dict[str, np.ndarray]:
+    """The invariants of a body of mass `m`, from first and second moments of its N shapes; shape 0 is x.
+
+    `sums` (N + 1, 3): integrals of density times shape k; `G` (N + 1, N + 1, 3, 3): of shape k times shape l.
+    """
     # P_k~' S P_l~ (…, 3, 3) and P_k~' S phi_l (…, 3) for all pairs.
     J = np.einsum("klaa->kl", G)[:, :, None, None] * np.eye(3) - G.transpose(0, 1, 3, 2)
     C = -np.einsum("abc,klbc->kla", EPSILON, G)
     return {
-        "m": float(mass.sum()),
+        "m": m,
         "s0": sums[0],
         "S1": sums[1:].T.copy(),
         "J0": J[0, 0],

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..model.diagnostics import Findings
 from ..model.flexible_body import FlexibleBody, FlexibleInput
+from .body_figures import modal_damping
 from .formats.matrix_file import FEFileFault
 from .formats.mbdyn_fem import ModalFile, read_modal_file
 from .invariants import EPSILON, effective_masses, inertia_invariants
@@ -59,7 +60,6 @@ def _body(given: FlexibleInput, file: ModalFile, findings: Findings) -> Flexible
             "made of another mass matrix?"
         )
         findings.warn(given.name, message, given.mass.place, id="FE-292")
-    alpha, beta, ratio = given.damping
     omega, count = np.sqrt(values), len(values)
     return FlexibleBody(
         given.name,
@@ -70,7 +70,7 @@ def _body(given: FlexibleInput, file: ModalFile, findings: Findings) -> Flexible
         Phi,
         **invariants,
         Kr=np.diag(values),
-        Dr=np.diag(alpha + beta * values + 2.0 * ratio * omega),
+        Dr=modal_damping(given, invariants["Mff"], values),
         KG=np.zeros((0, 0, count, count)),
         frequencies=omega / (2.0 * np.pi),
         frequency_errors=np.full(count, np.nan),

@@ -61,7 +61,7 @@ def _modes_of(
         except FreeMotion as motion:
             raise type(motion)(_placed(motion.shape, free, K.shape[0])) from None
     else:
-        values, shapes = lowest_by_iteration(mass, count, held_solver(K, free, frame.r0))
+        values, shapes = lowest_by_iteration(mass, count, held_solver(K, free, frame))
     full = _placed(shapes, free, K.shape[0])
     check_strain(K, full[:, 0])
     return values, full
@@ -147,7 +147,7 @@ def craig_bampton(
     inner = all_but(K.shape[0], np.concatenate([rows, _clamped(frame)]))
     shapes, forces = np.zeros((2, K.shape[0], len(rows)))
     shapes[rows, np.arange(len(rows))] = 1.0
-    shapes[inner] = -held_solver(K, inner, frame.r0)(as_array(K[inner][:, rows]))
+    shapes[inner] = -held_solver(K, inner, frame)(as_array(K[inner][:, rows]))
     forces[rows] = _without_round_off(K[rows], shapes)
     values, fixed = _modes_of(K, S, frame, inner, count)
     if len(values) < count:

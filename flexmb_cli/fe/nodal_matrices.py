@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .formats.matrix_file import MODAL, TRANSLATIONS, FEFileFault, MatrixFile, size_hint
+from .formats.matrix_file import FEFileFault, MatrixFile, size_hint
 from .linear_algebra import Matrix, Singular, condensed_on, solver, stored, summed, without_diagonal
 
 SYMMETRY = 1e-6
@@ -31,7 +31,8 @@ class NodalMatrix:
 
     `nodal` (3 n,) and `internal`: the rows of the file that are those of the nodes, and those condensed or
     dropped; `following` (internal, 3 n): how these move with the nodes, None where they rest; `coupled`:
-    nodes and directions of those with a stiffness to the nodes.
+    nodes and directions of those with a stiffness to the nodes.  Matrices whose rows are not x y z node by
+    node have `nodal` -1 for rows that the file lacks, and their own translations, `shifts`.
     """
 
     matrix: Matrix
@@ -40,11 +41,19 @@ class NodalMatrix:
     internal: np.ndarray
     following: Callable[[np.ndarray], np.ndarray] | None = None
     coupled: Collection[tuple[int, int]] = ()
+    shifts: np.ndarray | None = None
+
+    @property
+    def translations(self) -> np.ndarray:
+        """Rows (size, 3) of unit translations of the nodes."""
+        if self.shifts is not None:
+            return self.shifts
+        return np.tile(np.eye(3), (self.matrix.shape[0] // 3, 1))
 
     def extended(self, shapes: np.ndarray) -> np.ndarray:
         """Return the displacements (size, k) of all rows of the file for those of the nodes, (3 n, k)."""
-        full = np.zeros((self.file.size, shapes.shape[1]))
-        full[self.nodal] = shapes
+        full, there = np.zeros((self.file.size, shapes.shape[1])), self.nodal >= 0
+        full[self.nodal[there]] = shapes[there]
         if self.following is not None:
             full[self.internal] = self.following(shapes)
         return full
@@ -110,10 +119,9 @@ def _refuse_nodes(name: str, file: MatrixFile, rows: np.ndarray) -> None:
 
 def _ordered(name: str, file: MatrixFile, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The full matrix, the rows of the nodes in the order of the table, and the internal rows."""
-    _check_finite(name, file)
-    full = _symmetric(name, file)
+    check_finite(name, file)
+    full = full_matrix(name, file)
     size = 3 * len(numbers)
-    _refuse_rotations(name, file)
     if file.equations is None:
         if file.size != size:
             raise FEFileFault(
@@ -125,25 +133,16 @@ def _ordered(name: str, file: MatrixFile, numbers: np.ndarray) -> tuple[np.ndarr
     return full, *_rows_of_nodes(name, file.equations, numbers)
 
 
-def _refuse_rotations(name: str, file: MatrixFile) -> None:
-    """Refuse rows of rotations and modal coordinates."""
-    labels = np.zeros((0, 2), int) if file.equations is None else file.equations
-    others = labels[~np.isin(labels[:, 1], TRANSLATIONS)]
-    if len(others):
-        node, component = others[0]
-        what = "a modal coordinate" if component == MODAL else f"a rotation (component {component})"
-        message = f"{len(others)} rows are no translations, the first is {what} of {node}"
-        raise FEFileFault(f"{name}: {message}; mesh with solid elements, export full matrices", id="FE-254")
-
-
-def _check_finite(name: str, file: MatrixFile) -> None:
+def check_finite(name: str, file: MatrixFile) -> None:
+    """Refuse a file without entries, and one with numbers that are not finite."""
     if not len(file.values):
         raise FEFileFault(f"{name} holds no entries", id="FE-063")
     if not np.isfinite(file.values).all():
         raise FEFileFault(f"{name} holds a number that is not finite", id="FE-064")
 
 
-def _symmetric(name: str, file: MatrixFile) -> np.ndarray:
+def full_matrix(name: str, file: MatrixFile) -> Matrix:
+    """Return the whole matrix (size, size) of a file.  Raises FEFileFault for one that is not symmetric."""
     matrix = summed(file.values, file.rows, file.columns, file.size)
     if file.one_triangle:
         return matrix + without_diagonal(matrix).T

@@ -21,7 +21,8 @@ from .massless_shapes import FreeMotion
 class Frame:
     """Origin (3,) and axes (3, 3, columns e1 e2 e3) in the node table's axes; nodes `r0` (n, 3) in the frame.
 
-    `held`: rows of qf that are zero, () for mean axes; `clamped`: whether these are a clamped set.
+    `held`: rows of qf that are zero, () for mean axes; `clamped`: whether these are a clamped set.  `rigid`
+    (size, 6) and `labels` (size, 2) are those of matrices whose rows are not x y z node by node; see `rows`.
     """
 
     origin: np.ndarray
@@ -29,6 +30,17 @@ class Frame:
     r0: np.ndarray
     held: np.ndarray
     clamped: bool
+    rigid: np.ndarray | None = None
+    labels: np.ndarray | None = None
+
+    @property
+    def motions(self) -> np.ndarray:
+        """Rows (size, 6) of unit translations along, and rotations about, the axes of the frame."""
+        return rigid_motions(self.r0) if self.rigid is None else self.rigid
+
+    def places(self, rows: np.ndarray) -> np.ndarray | None:
+        """Return where the nodes of rows are (k, 3); None if some rows have no node."""
+        return self.r0[rows // 3] if self.rigid is None else None
 
     @property
     def mean(self) -> bool:
@@ -40,14 +52,14 @@ class Frame:
         if self.clamped:
             return shapes
         if self.mean:
-            return without_momentum(self.r0, shapes, S)
-        rigid = rigid_motions(self.r0)
+            return without_momentum(self, shapes, S)
+        rigid = self.motions
         return shapes - rigid @ np.linalg.solve(rigid[self.held], shapes[self.held])
 
 
-def without_momentum(r0: np.ndarray, shapes: np.ndarray, S: np.ndarray) -> np.ndarray:
+def without_momentum(frame: Frame, shapes: np.ndarray, S: np.ndarray) -> np.ndarray:
     """`shapes` (3 n, k) less the rigid motion that has their momentum and moment of momentum."""
-    rigid = rigid_motions(r0)
+    rigid = frame.motions
     weighted = (S @ rigid).T
     return shapes - rigid @ np.linalg.solve(weighted @ rigid, weighted @ shapes)
 
@@ -55,14 +67,15 @@ def without_momentum(r0: np.ndarray, shapes: np.ndarray, S: np.ndarray) -> np.nd
 def reference_frame(given: FlexibleInput, centre: np.ndarray) -> Frame:
     """The frame that `given` asks for; `centre` (3,) is the mass centre, the origin of mean axes."""
     rows = {int(number): row for row, number in enumerate(given.numbers)}
-    origin, axes = _origin_and_axes(given, rows, centre)
+    origin, axes = origin_and_axes(given, rows, centre)
     r0 = (given.positions - origin) @ axes
     return Frame(origin, axes, r0, _held(given, rows), bool(given.clamped))
 
 
-def _origin_and_axes(
+def origin_and_axes(
     given: FlexibleInput, rows: dict[int, int], centre: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
+    """Origin (3,) and axes (3, 3) of the frame; `rows`: places of the nodes in the table by their numbers."""
     if not given.reference:
         return (np.zeros(3) if given.clamped else centre), np.eye(3)
     q1, q2, q3 = (given.positions[rows[node]] for node in given.reference)
@@ -87,9 +100,9 @@ class FreeBody:
 
     def __init__(self, K: np.ndarray, S: np.ndarray, frame: Frame):
         self.S, self.frame = S, frame
-        self._free = all_but(K.shape[0], _supports(frame.r0))
-        self._solve = held_solver(K, self._free, frame.r0)
-        self._rigid = rigid_motions(frame.r0)
+        self._free = all_but(K.shape[0], _supports(frame))
+        self._solve = held_solver(K, self._free, frame)
+        self._rigid = frame.motions
         self._weighted = S @ self._rigid
         self._mass = self._rigid.T @ self._weighted
 
@@ -109,7 +122,7 @@ def as_solved(frame: Frame, shapes: np.ndarray) -> np.ndarray:
     """
     if not frame.mean:
         return shapes
-    rows, rigid = _supports(frame.r0), rigid_motions(frame.r0)
+    rows, rigid = _supports(frame), frame.motions
     return shapes - rigid @ np.linalg.solve(rigid[rows], shapes[rows])
 
 
@@ -129,12 +142,15 @@ def static_shapes(K: np.ndarray, S: np.ndarray, frame: Frame, forces: np.ndarray
         return FreeBody(K, S, frame).shapes(forces)
     free = all_but(K.shape[0], frame.held)
     shapes = np.zeros(forces.shape)
-    shapes[free] = held_solver(K, free, frame.r0)(forces[free])
+    shapes[free] = held_solver(K, free, frame)(forces[free])
     return shapes
 
 
-def _supports(r0: np.ndarray) -> np.ndarray:
+def _supports(frame: Frame) -> np.ndarray:
     """Six rows that hold the body: a node, one far from it, and one far from their line."""
+    if frame.rigid is not None:
+        return _independent_rows(frame.rigid)
+    r0 = frame.r0
     first = int(np.argmax(np.linalg.norm(r0 - r0.mean(axis=0), axis=1)))
     relative = r0 - r0[first]
     second = int(np.argmax(np.linalg.norm(relative, axis=1)))
@@ -153,10 +169,19 @@ def _supports(r0: np.ndarray) -> np.ndarray:
     return np.array(rows)
 
 
-def held_solver(K: np.ndarray, free: np.ndarray, r0: np.ndarray) -> Callable[..., Any]:
+def _independent_rows(rigid: np.ndarray) -> np.ndarray:
+    """Six rows whose rigid motions (size, 6) differ most: always the one that the others say least of."""
+    left, rows = rigid / np.abs(rigid).max(axis=0), []
+    for _ in range(6):
+        rows.append(int(np.argmax(np.einsum("ij,ij->i", left, left))))
+        unit = left[rows[-1]] / np.linalg.norm(left[rows[-1]])
+        left = left - np.outer(left @ unit, unit)
+    return np.array(rows)
+
+
+def held_solver(K: np.ndarray, free: np.ndarray, frame: Frame) -> Callable[..., Any]:
     """The solution of K x = b with all degrees of freedom but `free` at rest, as a function of b.
 
-    `r0` (n, 3): places of the nodes.
     Raises FreeMotion, then or at once: whether a pivot of exactly 0 is met depends on the processor.
     """
 
@@ -167,7 +192,7 @@ def held_solver(K: np.ndarray, free: np.ndarray, r0: np.ndarray) -> Callable[...
             raise FreeMotion(_weakest(K, free)) from None
 
     try:
-        solution = solver(K[free][:, free], r0[free // 3])
+        solution = solver(K[free][:, free], frame.places(free))
     except Singular:
         raise FreeMotion(_weakest(K, free)) from None
     return solve

@@ -18,6 +18,11 @@ class Findings:
         """The faults in the deck's order, those without a place first."""
         return sorted(self.faults, key=lambda fault: fault.place or (0, 0))
 
+    @property
+    def has_errors(self) -> bool:
+        """Return whether any fault forbids a model."""
+        return any(fault.severity == "error" for fault in self.faults)
+
     def error(self, subject: str, message: str, place: Place | None, id: str = "") -> None:
         """Add a fault that forbids a model."""
         self.faults.append(Fault("error", message, place, subject, id=id))

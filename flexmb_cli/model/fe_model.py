@@ -6,7 +6,7 @@ by that of a node set.  Positions of nodes are in the axes of their node table, 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,10 +32,20 @@ class RigidMass:
 
 
 @dataclass(frozen=True)
+class Arm:
+    """A point at `offset` (3,), axes of the node table, from the node that carries it and turns it."""
+
+    node: int
+    offset: np.ndarray
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
 class VsdfBody:
     """A body: pose of its node table's axes at t = 0, velocity of its origin, angular velocity (body axes).
 
-    `nodes`: positions by number; `sets`: members of the node sets by number.  Either `rigid` or
+    `nodes`: positions by number; `sets`: members of the node sets by number; `arms`: points off nodes with
+    rotations.  Either `rigid` or
     `flexible` is given; `stiffened` asks for centrifugal stiffening.  `place` and `velocity_place`: of the
     cards BODY and VELO.
     """
@@ -49,18 +59,22 @@ class VsdfBody:
     flexible: FlexibleInput | None = None
     nodes: Mapping[int, np.ndarray] = field(default_factory=dict)
     sets: dict[int, tuple[int, ...]] = field(default_factory=dict)
+    arms: dict[int, Arm] = field(default_factory=dict)
     stiffened: bool = False
     place: Place | None = None
     velocity_place: Place | None = None
 
     def members(self, node: int) -> tuple[int, ...]:
-        """The nodes that a node's or set's number stands for; () when there is none."""
+        """The nodes that a node's, arm's or set's number stands for; () when there is none."""
+        if node in self.arms:
+            return (self.arms[node].node,)
         return self.sets.get(node, (node,) if node in self.nodes else ())
 
     def position(self, node: int) -> np.ndarray:
         """Position (3,) of a node, or the mean of a set's, in the axes of the node table."""
         places = [self.nodes[member] for member in self.members(node)]
-        return places[0].copy() if len(places) == 1 else np.mean(places, axis=0)
+        found: np.ndarray = places[0].copy() if len(places) == 1 else np.mean(places, axis=0)
+        return found + self.arms[node].offset if node in self.arms else found
 
     @property
     def A(self) -> np.ndarray:
@@ -128,7 +142,10 @@ class NodeForce:
 
 @dataclass(frozen=True)
 class BodyTorque:
-    """A torque on a rigid body, N m, in global axes, or in body axes when it follows."""
+    """A torque on a rigid body, N m, in global axes, or in body axes when it follows.
+
+    `at`: the end of a flexible body on whose rotation it acts, in a mechanism its point; None: a rigid body.
+    """
 
     name: str
     body: int
@@ -136,6 +153,7 @@ class BodyTorque:
     follows: bool
     factor: MotionFunction | None = None
     place: Place | None = None
+    at: Any = None
 
 
 @dataclass(frozen=True)

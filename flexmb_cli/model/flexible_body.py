@@ -1,8 +1,8 @@
 """A flexible body in its floating frame: nodes, modes, inertia invariants; nothing here has a time.
 
 Vlasenko and Kasper (2008), with the invariants of a modal basis: qf = Phi eta, r = r0 + qf, body axes.
-S is the mass matrix of the finite-element program; S^ij = m_ij E, so that the n x n matrix m of scalars
-is all that inertia needs.
+S is the mass matrix of the finite-element program.  Of solid elements S^ij = m_ij E, so that the n x n matrix
+m of scalars is all that inertia needs; of others see `fe.estimated_moments`.
 """
 
 from dataclasses import dataclass, field
@@ -63,7 +63,8 @@ class FlexibleInput:
     `attachment`: nodes of static attachment modes; `interface`: nodes of a Craig-Bampton basis.
     `damping`: alpha, 1/s, beta, s, and the ratio of every mode.  `stiffening`: elements whose stresses
     stiffen the body, `material`: those whose stresses are wanted, `mesh`: the file of elements
-    whose material is not known.
+    whose material is not known.  `axes` (n, 3, 3): those of the displacements of each node, columns, None
+    for those of the table.  `ratios`: frequencies, Hz, and damping ratios there, in place of one ratio.
     """
 
     name: str
@@ -84,6 +85,7 @@ class FlexibleInput:
     place: Place | None = None
     mesh: FEFile | None = None
     axes: np.ndarray | None = None  # (n, 3, 3) displacement axes in columns; None: those of the table
+    ratios: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -175,6 +177,9 @@ class FlexibleBody:
     dropped: Dropped = field(default_factory=Dropped)
     stress: BodyStress | None = None
     mesh: BodyMesh | None = None  # where there is no `stress`
+    Psi: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))  # (3 n, N) rotations of the nodes, nan
+    # where the matrices have no rows of them; (0, 0) of solid elements, which have none
+    estimated: bool = False  # whether J1, J2 and C1 are estimates from M's rows
 
     @property
     def modes(self) -> int:
@@ -189,6 +194,12 @@ class FlexibleBody:
         """Displacement of a node per unit of each modal coordinate, (3, N).  Raises KeyError."""
         row = self._row(node)
         return self.Phi[3 * row : 3 * row + 3]
+
+    def rotation(self, node: int) -> np.ndarray | None:
+        """Rotation of a node per unit of each modal coordinate, (3, N); None of one that has none."""
+        row = self._row(node)
+        found = self.Psi[3 * row : 3 * row + 3]
+        return None if not found.size or np.isnan(found).any() else found
 
     def _row(self, node: int) -> int:
         rows = np.flatnonzero(self.numbers == node)

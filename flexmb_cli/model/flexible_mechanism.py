@@ -58,12 +58,23 @@ class FloatingBody:
 
 @dataclass(frozen=True)
 class NodePoint:
-    """A point of a body at `r0 + shape @ eta`, body axes; on the ground (body -1) at r0, global axes."""
+    """A point of a body at `r0 + shape @ eta`, body axes; on the ground (body -1) at r0, global axes.
+
+    Of a node with rotations `turn` (3, N) is its rotation vector per modal coordinate, rad; the part `arm`
+    of r0, from the node to the point, turns with it.
+    """
 
     name: str
     body: int
     r0: np.ndarray  # (3,)
     shape: np.ndarray  # (3, N)
+    turn: np.ndarray | None = None
+    arm: np.ndarray = field(default_factory=lambda: np.zeros(3))  # (3,)
+
+    @property
+    def is_arm(self) -> bool:
+        """Return whether the point is off the node whose rotations carry it."""
+        return self.turn is not None and bool(self.arm.any())
 
 
 @dataclass(frozen=True)

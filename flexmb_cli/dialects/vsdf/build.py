@@ -190,7 +190,6 @@ def _integrator_of(
 
 
 RUN_START = 0.0  # s, of every run
-_TURNS = ("kr", "cr")  # parameters of bushings for nodes that turn
 
 
 def block_elements(
@@ -220,13 +219,7 @@ class _Measures(JointMeasures):
             message = f"both ends are on {what}, so nothing changes between them"
             self.error(line, line.at("to.body"), message, id="VSDF-103")
             return None
-        if line.word == "BUSHING":
-            self._refuse_rotations(line, a, b)
         return a.body, b.body, a, b
-
-    def turns(self, line: ElementLine, body: int) -> bool:
-        """Return whether the end `to` turns with its body: nodes of flexible bodies have no attitude."""
-        return self.bodies[body].flexible is None
 
     def _end(self, line: ElementLine, key: str) -> End | None:
         body = line.at(f"{key}.body")
@@ -239,17 +232,6 @@ class _Measures(JointMeasures):
         message = f"points of bodies are their nodes; write {body.value}:node, cards NODE give some"
         self.error(line, body, message, id="VSDF-217")
         return None
-
-    def _refuse_rotations(self, line: ElementLine, a: End, b: End) -> None:
-        """Nodes of a flexible body have no attitude."""
-        flexible = [e.body for e in (a, b) if e.body != GROUND and self.bodies[e.body].flexible is not None]
-        turning = [f"{key}.{axis}" for key in _TURNS for axis in "xyz" if line[f"{key}.{axis}"]]
-        if flexible and turning:
-            message = (
-                f"body {flexible[0] + 1} is FLEX, its nodes do not turn; leave kr and cr out, and give "
-                "several bushings at nodes apart"
-            )
-            self.error(line, line.at(turning[0]), message, id="VSDF-104")
 
 
 def moved_pins(

@@ -14,7 +14,7 @@ from ...model.diagnostics import Findings
 from ...model.fe_model import VsdfBody
 from ...model.flexible_body import ElementMaterial, FEFile, FlexibleInput, UnitLoad
 from .cards.bodies import MATRIX_SECTIONS
-from .nodes import members_of, sets_of
+from .nodes import arms_of, members_of, sets_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -138,9 +138,13 @@ def flexible_body(
         place=record.place,
         mesh=mesh_file(values, k, nodes_file),
         axes=None if mass.form == stiffness.form == OF_ELEMENTS else table.axes,
+        ratios=_ratios(values, k, findings),
     )
     stiffened = _stiffened(values.record("stiffening", k), given, findings)
-    return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)
+    arms = arms_of(values, k, nodes, sets, findings)
+    return VsdfBody(
+        record.subject, **pose, flexible=given, nodes=nodes, sets=sets, arms=arms, stiffened=stiffened
+    )
 
 
 def _or_density(values: DeckValues, k: int, files: Any) -> str:
@@ -258,6 +262,25 @@ def _damping(record: Record | None, findings: Findings) -> Any:
             message = f"{key} = {record.at(key).text}: negative damping feeds energy in"
             findings.error(record.subject, message, record.at(key).place, id="VSDF-030")
     return tuple(float(record[key]) for key in ("alpha", "beta", "ratio"))
+
+
+def _ratios(values: DeckValues, k: int, findings: Findings) -> tuple[tuple[float, float], ...]:
+    """Frequencies, ascending, and damping ratios of the cards DAMF, which replace the ratio of DAMP."""
+    found: dict[float, float] = {}
+    for record in values.of_body("damping_table", k):
+        frequency, ratio = record.at("f"), record.at("ratio")
+        if ratio.value < 0:
+            message = f"ratio = {ratio.text}: negative damping feeds energy in"
+            findings.error(record.subject, message, ratio.place, id="VSDF-221")
+        if frequency.value < 0 or float(frequency.value) in found:
+            message = f"frequencies are 0 or more, each given once; read {frequency.text}"
+            findings.error(record.subject, message, frequency.place, id="VSDF-222")
+        found[float(frequency.value)] = float(ratio.value)
+    damping = values.record("damping", k)
+    if found and damping and damping["ratio"]:
+        message = "the ratio is not read beside the cards DAMF of the body; leave it empty"
+        findings.error(damping.subject, message, damping.at("ratio").place, id="VSDF-223")
+    return tuple(sorted(found.items()))
 
 
 def _unit_loads(

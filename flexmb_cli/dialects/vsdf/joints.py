@@ -154,6 +154,7 @@ def _check_axis(
     if len(ends) < 2:
         return
     P, Q, *H = _positions(ends, bodies, ground)
+    _check_arms(record, letter, ends, bodies, findings)
     length = np.linalg.norm(Q - P)
     names = f"nodes {letter}1 and {letter}2"
     if not length > _COINCIDENT:
@@ -162,6 +163,21 @@ def _check_axis(
     elif H and not np.linalg.norm(np.cross(Q - P, H[0] - P)) > _COINCIDENT * length:
         message = f"node {letter}3 lies on the axis through {names}; it must lie across it"
         findings.error(record.subject, message, record.at(f"{letter}3").place, id="VSDF-049")
+
+
+def _check_arms(
+    record: Record, letter: str, ends: Any, bodies: Sequence[VsdfBody], findings: Findings
+) -> None:
+    """An axis with an arm turns with one node."""
+    if ends[0].body == GROUND or not bodies[ends[0].body].arms:
+        return
+    body = bodies[ends[0].body]
+    if any(end.node in body.arms for end in ends) and len({body.members(end.node) for end in ends}) > 1:
+        message = (
+            f"nodes {letter}1 to {letter}{len(ends)} are arms of different nodes; the axis turns with one "
+            "node: give all of them by ARMN on that node, or take the node itself"
+        )
+        findings.error(record.subject, message, record.at(f"{letter}2").place, id="VSDF-225")
 
 
 def _check_weld(record: Record, a: Any, b: Any, findings: Findings) -> None:

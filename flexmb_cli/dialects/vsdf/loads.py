@@ -63,21 +63,26 @@ def _follows(record: Record, findings: Findings) -> bool:
 def build_torques(
     values: DeckValues, bodies: Sequence[VsdfBody], factors: Factors, findings: Findings
 ) -> tuple[BodyTorque, ...]:
-    """The cards TORQ, on rigid bodies only."""
+    """The cards TORQ, on rigid bodies and nodes with rotations."""
     torques = []
     for record in values.section("torque"):
-        body = record.at("body")
-        follows, factor = _follows(record, findings), factors.of(record)
+        body, node = record.at("body"), record.at("node")
+        follows, factor, at = _follows(record, findings), factors.of(record), None
         if not 1 <= body.value <= len(bodies):
             message = no_such("body", body.value, len(bodies))
             findings.error(record.subject, message, body.place, id="VSDF-065")
-        elif bodies[body.value - 1].flexible is not None:
-            message = f"body {body.value} is FLEX, its nodes do not turn; give a pair of forces instead"
+        elif bodies[body.value - 1].rigid is None and not node.value:
+            message = f"body {body.value} is FLEX: name a node with rotations, or give a pair of forces"
             findings.error(record.subject, message, body.place, id="VSDF-066")
+        elif bodies[body.value - 1].rigid is not None and node.value:
+            message = f"node is {node.text} and is not read: body {body.value} is RIGD; leave the field empty"
+            findings.error(record.subject, message, node.place, id="VSDF-224")
         else:
+            if node.value:
+                at = find_end(bodies, bodies[0], body, node, record.subject, findings)
             torque = record.vector("M")
             index = end_of_body(body.value)
-            torques.append(BodyTorque(record.subject, index, torque, follows, factor, record.place))
+            torques.append(BodyTorque(record.subject, index, torque, follows, factor, record.place, at))
     return tuple(torques)
 
 

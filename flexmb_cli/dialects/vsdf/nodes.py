@@ -8,6 +8,7 @@ import numpy as np
 from ...deck.many_records import MANY_RECORDS, DeckValues
 from ...deck.record import Record
 from ...model.diagnostics import Findings
+from ...model.fe_model import Arm
 
 
 def given_nodes(values: DeckValues, k: int, findings: Findings) -> Mapping[int, np.ndarray]:
@@ -61,6 +62,23 @@ def sets_of(
         elif members:
             sets.setdefault(number.value, []).extend(members)
     return {number: tuple(members) for number, members in sets.items()}
+
+
+def arms_of(
+    values: DeckValues, k: int, nodes: Mapping[int, Any], sets: Mapping[int, Any], findings: Findings
+) -> dict[int, Arm]:
+    """The arms of body k by the numbers of their ends, which neither nodes nor sets have."""
+    arms: dict[int, Arm] = {}
+    for record in values.of_body("arm", k):
+        number, on = record.at("node"), record.at("on")
+        if number.value in nodes or number.value in sets or number.value in arms or number.value < 1:
+            message = f"{number.text} is a number of body {k} already, or below 1; an arm needs its own"
+            findings.error(record.subject, message, number.place, id="VSDF-219")
+        elif on.value not in nodes:
+            findings.error(record.subject, f"body {k} has no node {on.text}", on.place, id="VSDF-220")
+        else:
+            arms[number.value] = Arm(on.value, np.array(record.vector("r"), float), record.place)
+    return arms
 
 
 def _of_several_cards(values: DeckValues, k: int) -> Iterator[int]:

@@ -93,8 +93,6 @@ def mirrored(rows: np.ndarray, columns: np.ndarray, size: int) -> np.ndarray:
 
 def size_hint(size: int, nodes: float) -> str:
     """Return what a matrix with more rows than three a node may have, "" for one with fewer."""
-    if size == 6 * nodes:
-        return "; six rows a node are translations and rotations: mesh with solid elements"
     return "; has it other nodes, or rotations of beams and shells?" if size > 3 * nodes else ""
 
 

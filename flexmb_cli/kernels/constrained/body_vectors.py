@@ -6,8 +6,8 @@ Vlasenko and Kasper (2008), (7)-(9), (28): with s = c + S η and A the body's ro
     body vector = A s,   rate = A (ω~ s + S η̇),   rest = A (ω~ ω~ s + 2 ω~ S η̇),
 
 `rest` the second derivative without those of the coordinates; the body vectors of the ground (body -1) rest.
-Relative vectors are the vectors V and W of the primitives: a body vector, or the point at the end of one less
-that of another.
+What turns with a node by the rotation vector θ = T η adds (exp(θ~) - 1) d to s.  Relative vectors are the
+vectors V and W of the primitives: a body vector, or the point at the end of one less that of another.
 """
 
 from typing import Any, NamedTuple
@@ -16,9 +16,12 @@ import numpy as np
 
 from .._jit import kernel, plain
 from ..linalg.rotation import RATE, REMAINDER, A, rotate
+from ..linalg.rotation_vectors import spin, spin_remainder, turned
+from ..linalg.vec3 import cross
 from .system import System, Work
 
 VECTOR = 0  # row of the vectors themselves, before those of RATE and REMAINDER
+TURN = 3  # row of the rotation vectors θ of those that turn with a node, rad, body axes
 
 
 class Geometry(NamedTuple):
@@ -31,7 +34,7 @@ class Geometry(NamedTuple):
     shapes: np.ndarray  # their shapes S (3, N), flat, m or 1 per unit of η
     primitives: np.ndarray  # PRIMITIVE records
     axes: np.ndarray  # (b, 3, 3) A of every body, body to global axes
-    placed: np.ndarray  # (3, body vectors, 3) `Work.body_vectors`, global axes, m
+    placed: np.ndarray  # (4, body vectors, 3) `Work.body_vectors`, global axes, m
     relative_vectors: np.ndarray  # (3, primitives, 2, 3) V and W of the primitives, global axes, m
 
 
@@ -63,10 +66,10 @@ def geometry_of_joints(system: System, work: Work) -> Geometry:
 
 @kernel
 def _deformed(
-    body_vector: np.void, shapes: np.ndarray, x: np.ndarray, first: int
+    body_vector: np.void, at: int, shapes: np.ndarray, x: np.ndarray, first: int
 ) -> tuple[float, float, float]:
-    """S x (3,) of one body vector for the modal coordinates or rates that begin at x[first]."""
-    N, at = body_vector["modes"], body_vector["shape"]
+    """S x (3,) of one body vector for the modal coordinates or rates that begin at x[first], S at `at`."""
+    N = body_vector["modes"]
     s0 = s1 = s2 = 0.0
     for k in range(N):
         eta = x[first + body_vector["first"] + k]
@@ -82,8 +85,15 @@ def place_vectors(geometry: Geometry, q: np.ndarray) -> None:
     first = 7 * geometry.axes.shape[0]
     for p in range(geometry.body_vectors.shape[0]):
         body_vector = geometry.body_vectors[p]
-        c, d = body_vector["c"], _deformed(body_vector, geometry.shapes, q, first)
+        c, d = body_vector["c"], _deformed(body_vector, body_vector["shape"], geometry.shapes, q, first)
         s = (c[0] + d[0], c[1] + d[1], c[2] + d[2])
+        if body_vector["turn"] >= 0:
+            theta = _deformed(body_vector, body_vector["turn"], geometry.shapes, q, first)
+            arm = vector(geometry.body_vectors["arm"], p)
+            end = turned(theta, arm)
+            s = (s[0] + end[0] - arm[0], s[1] + end[1] - arm[1], s[2] + end[2] - arm[2])
+            for i in range(3):
+                geometry.placed[TURN, p, i] = theta[i]
         v = rotate(geometry.axes, body_vector["body"], s) if body_vector["body"] >= 0 else s
         for i in range(3):
             geometry.placed[VECTOR, p, i] = v[i]
@@ -101,12 +111,18 @@ def move_vectors(geometry: Geometry, u: np.ndarray) -> None:
         k = 6 * b + 3
         s = vector(geometry.placed[VECTOR], p)
         w = rotate(geometry.axes, b, (u[k], u[k + 1], u[k + 2]))
-        d = rotate(geometry.axes, b, _deformed(body_vector, geometry.shapes, u, first))
-        turned = cross(w, s)
-        rest = cross(w, (turned[0] + 2.0 * d[0], turned[1] + 2.0 * d[1], turned[2] + 2.0 * d[2]))
+        d = _deformed(body_vector, body_vector["shape"], geometry.shapes, u, first)
+        more = (0.0, 0.0, 0.0)
+        if body_vector["turn"] >= 0:
+            arm_rate, more = _arm_motion(geometry, p, u, first)
+            d = (d[0] + arm_rate[0], d[1] + arm_rate[1], d[2] + arm_rate[2])
+            more = rotate(geometry.axes, b, more)
+        d = rotate(geometry.axes, b, d)
+        swept = cross(w, s)
+        rest = cross(w, (swept[0] + 2.0 * d[0], swept[1] + 2.0 * d[1], swept[2] + 2.0 * d[2]))
         for i in range(3):
-            geometry.placed[RATE, p, i] = turned[i] + d[i]
-            geometry.placed[REMAINDER, p, i] = rest[i]
+            geometry.placed[RATE, p, i] = swept[i] + d[i]
+            geometry.placed[REMAINDER, p, i] = rest[i] + more[i]
     _fill_relative_vectors(geometry, RATE, u, 6)
     _fill_relative_vectors(geometry, REMAINDER, u, 0)
 
@@ -118,9 +134,17 @@ def vector(rows: np.ndarray, k: int) -> Any:
 
 
 @kernel
-def cross(a: tuple[float, float, float], b: tuple[float, float, float]) -> tuple[float, float, float]:
-    """a × b."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+def _arm_motion(
+    geometry: Geometry, p: int, u: np.ndarray, first: int
+) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Rate, and remainder of the second derivative, of what turns with a node, body axes."""
+    record, theta = geometry.body_vectors[p], vector(geometry.placed[TURN], p)
+    end = turned(theta, vector(geometry.body_vectors["arm"], p))
+    rate = _deformed(record, record["turn"], geometry.shapes, u, first)
+    w = spin(theta, rate, 1.0)
+    swept = cross(w, end)
+    by_spin, by_rest = cross(w, swept), cross(spin_remainder(theta, rate), end)
+    return swept, (by_spin[0] + by_rest[0], by_spin[1] + by_rest[1], by_spin[2] + by_rest[2])
 
 
 @kernel
@@ -171,6 +195,30 @@ def add_vector_row(
     )
     for i in range(3):
         row[6 * b + 3 + i] += axes[0, i] * moment[0] + axes[1, i] * moment[1] + axes[2, i] * moment[2]
-        turned = axes[0, i] * g[0] + axes[1, i] * g[1] + axes[2, i] * g[2]
+        along = axes[0, i] * g[0] + axes[1, i] * g[1] + axes[2, i] * g[2]
         for mode in range(N):
-            row[first + mode] += geometry.shapes[at + i * N + mode] * turned
+            row[first + mode] += geometry.shapes[at + i * N + mode] * along
+    if body_vector["turn"] >= 0:
+        arm = turned(vector(geometry.placed[TURN], p), vector(geometry.body_vectors["arm"], p))
+        add_turn_row(geometry, p, cross(arm, in_body_axes(axes, g)), row)
+
+
+@kernel
+def in_body_axes(axes: np.ndarray, g: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Aᵀ g."""
+    return (
+        axes[0, 0] * g[0] + axes[1, 0] * g[1] + axes[2, 0] * g[2],
+        axes[0, 1] * g[0] + axes[1, 1] * g[1] + axes[2, 1] * g[2],
+        axes[0, 2] * g[0] + axes[1, 2] * g[1] + axes[2, 2] * g[2],
+    )
+
+
+@kernel
+def add_turn_row(geometry: Geometry, p: int, torque: tuple[float, float, float], row: np.ndarray) -> None:
+    """Add to row (n,) what a torque, body axes, does on the rotation of the node of body vector p."""
+    record = geometry.body_vectors[p]
+    N, at, first = record["modes"], record["turn"], 6 * geometry.axes.shape[0] + record["first"]
+    work = spin(vector(geometry.placed[TURN], p), torque, -1.0)
+    for i in range(3):
+        for mode in range(N):
+            row[first + mode] += geometry.shapes[at + i * N + mode] * work[i]

@@ -27,7 +27,18 @@ from ..laws import (
     answer_unit_friction,
 )
 from ..linalg.rotation import A, dot, rotate
-from .body_vectors import RATE, VECTOR, Geometry, add_vector_row, geometry_of, vector
+from ..linalg.rotation_vectors import spin
+from .body_vectors import (
+    RATE,
+    TURN,
+    VECTOR,
+    Geometry,
+    add_turn_row,
+    add_vector_row,
+    geometry_of,
+    in_body_axes,
+    vector,
+)
 from .constraint_primitives import add_chain_row, add_primitive_row, chain_rates, chain_value, primitive_rates
 from .contacts import add_contact, add_contact_slope
 from .system import System, Work
@@ -71,6 +82,8 @@ def add_along_vector(
         return 0.0
     F = rotate(work.rotations[A], b, v) if load["following"] else (v[0], v[1], v[2])
     speed, axes = 0.0, work.rotations[A, b]
+    if not pushing and system.body_vectors[p]["turn"] >= 0:
+        speed += _add_on_node(system, work, p, F, factor, u, f)
     if pushing:
         add_vector_row(geometry_of(system, work), p, F, factor, True, f)
         w = work.body_vectors[RATE, p]
@@ -81,6 +94,28 @@ def add_along_vector(
         torque = axes[0, i] * F[0] + axes[1, i] * F[1] + axes[2, i] * F[2]
         f[6 * b + 3 + i] += factor * torque
         speed += torque * u[6 * b + 3 + i]
+    return speed
+
+
+@kernel
+def _add_on_node(
+    system: System,
+    work: Work,
+    p: int,
+    torque: tuple[float, float, float],
+    factor: float,
+    u: np.ndarray,
+    f: np.ndarray,
+) -> float:
+    """Add to f a factor times a torque, global axes, on a node's rotation; returns the speed along it."""
+    geometry, record = geometry_of(system, work), system.body_vectors[p]
+    m = in_body_axes(work.rotations[A, record["body"]], torque)
+    add_turn_row(geometry, p, (factor * m[0], factor * m[1], factor * m[2]), f)
+    N, at, first = record["modes"], record["turn"], 6 * system.masses.shape[0] + record["first"]
+    w, speed = spin(vector(geometry.placed[TURN], p), m, -1.0), 0.0
+    for i in range(3):
+        for mode in range(N):
+            speed += w[i] * system.shapes[at + i * N + mode] * u[first + mode]
     return speed
 
 

@@ -58,7 +58,7 @@ class Work(NamedTuple):
     reduced: np.ndarray  # (n, n) Cholesky factor of the mass matrix of the free speeds
     mass: np.ndarray  # (b, 6, 6) mass matrices of the rigid bodies, kg, kg m, kg m²
     modal: np.ndarray  # of the flexible bodies, flat, see `mass_matrix.places_of`
-    body_vectors: np.ndarray  # (3, body vectors, 3) global axes, m; rows VECTOR, RATE, REMAINDER
+    body_vectors: np.ndarray  # (4, body vectors, 3) global axes, m; rows VECTOR, RATE, REMAINDER, TURN
     relative_vectors: np.ndarray  # (3, primitives, 2, 3) V and W of the primitives, the same rows
     angles: np.ndarray  # (angles,) expected, which decide on whole turns, rad
     vectors: np.ndarray  # (6, n + b) in units of speeds, coordinates or forces on them; rows FORCES … QD
@@ -73,7 +73,7 @@ class Work(NamedTuple):
     ends: np.ndarray  # (m, 4) places where a row of them begins and ends, see `sparse_rows`
     diagonal: np.ndarray  # (m,) pivots of the elimination, scaled
     scales: np.ndarray  # (m, c) of the entries of the Jacobian: units of speeds over those of equations
-    joint_vectors: np.ndarray  # (3, joint vectors, 3) global axes, m, as `body_vectors`
+    joint_vectors: np.ndarray  # (4, joint vectors, 3) global axes, m, as `body_vectors`
     joint_ends: np.ndarray  # (3, joint coordinates, 2, 3) V and W, global axes, m, as `relative_vectors`
 
 
@@ -96,12 +96,12 @@ def make_work(system: System, angles: int) -> Work:
         np.zeros((3, bodies, 3, 3)), np.zeros((3, m)), np.zeros((system.bodies.shape[0], 14)),
         np.zeros((m, columns.shape[1] - 1)), paged_zeros((m * n,)), np.zeros(m + n, np.int64),
         paged_zeros((n, n)), paged_zeros((n, n)), np.zeros((bodies, 6, 6)), np.zeros(modal),
-        np.zeros((3, system.body_vectors.shape[0], 3)), np.zeros((3, system.primitives.shape[0], 2, 3)),
+        np.zeros((4, system.body_vectors.shape[0], 3)), np.zeros((3, system.primitives.shape[0], 2, 3)),
         np.zeros(angles), np.zeros((6, n + bodies)), np.zeros(1, np.int64), np.ones(1), np.zeros(m),
         np.zeros((system.loads.shape[0], _columns_of_answers(system))), columns,
         paged_zeros((m * n,), np.int64),
         np.zeros((m, 4), np.int64), np.zeros(m), _scales_of(system, columns),
-        np.zeros((3, system.joint_vectors.shape[0], 3)),
+        np.zeros((4, system.joint_vectors.shape[0], 3)),
         np.zeros((3, system.joint_coordinates.shape[0], 2, 3)),
     )  # fmt: skip
 

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from .._jit import kernel
-from ..constrained.body_vectors import cross
+from ..linalg.vec3 import cross
 
 SMALL_TURN = 1e-2  # rad, below which the series is exact
 LONGEST_TURN = 1.0  # rad, of a body in a step whose length is chosen

@@ -52,7 +52,7 @@ class PrimitiveTable(FunctionTable):
         self._turned: dict[int, np.ndarray] = {}
         self.groups: list[tuple[int, int, int, int]] = []
         self.angles: list[float] = list(angles)
-        self._known: dict[tuple[int, bytes, bytes | None], int] = {}
+        self._known: dict[tuple[int, bytes, bytes | None, bytes], int] = {}
         self._next = NONE
         self.tracks: list[list[np.ndarray]] = []  # three primitives of the parameter of each curve
         self._reported: PrimitiveTable | None = None
@@ -80,23 +80,40 @@ class PrimitiveTable(FunctionTable):
         return self.position(NodePoint("", int(record["body"]), record["c"], np.zeros((3, 0))))
 
     def body_vector(
-        self, body: int, c: np.ndarray | tuple[float, float, float], shape: np.ndarray | None = None
+        self,
+        body: int,
+        c: np.ndarray | tuple[float, float, float],
+        shape: np.ndarray | None = None,
+        turn: np.ndarray | None = None,
+        arm: np.ndarray | tuple[float, float, float] = (0.0, 0.0, 0.0),
     ) -> int:
-        """Number of the body vector c + shape η, the same for the same body vector."""
-        c = np.asarray(c, float)
-        key = body, c.tobytes(), None if shape is None else shape.tobytes()
+        """Number of the body vector c + shape η, of which a part `arm` may turn with a node; see `records`.
+
+        The same for the same body vector.
+        """
+        c, arm = np.asarray(c, float), np.asarray(arm, float)
+        turning = b"" if turn is None else turn.tobytes() + arm.tobytes()
+        key = body, c.tobytes(), None if shape is None else shape.tobytes(), turning
         if key not in self._known:
             first = 0 if body < 0 else int(self.first[body])
-            self._known[key] = self.body_vectors.add(body, c, shape, first)
+            self._known[key] = self.body_vectors.add(body, c, shape, first, turn, arm)
         return self._known[key]
 
     def point(self, point: NodePoint) -> int:
         """The body vector of a point."""
-        return self.body_vector(point.body, point.r0, point.shape)
+        if not point.is_arm:
+            return self.body_vector(point.body, point.r0, point.shape)
+        return self.body_vector(point.body, point.r0, point.shape, point.turn, point.arm)
+
+    def direction(self, point: NodePoint, v: np.ndarray) -> int:
+        """The direction v (3,), body axes, that turns with a node that has rotations, else with its body."""
+        return self.body_vector(point.body, v, None, point.turn, v)
 
     def between(self, tail: NodePoint, head: NodePoint, B: np.ndarray | None = None) -> int:
-        """The free vector B (head - tail) of two points of one body."""
+        """The free vector B (head - tail) of two points of one body; arms are of one node."""
         B = np.eye(3) if B is None else B
+        if tail.is_arm or head.is_arm:
+            return self.direction(head, B @ (head.r0 - tail.r0))
         return self.body_vector(tail.body, B @ (head.r0 - tail.r0), B @ (head.shape - tail.shape))
 
     def axis(self, k: int) -> int:
@@ -169,6 +186,7 @@ class PrimitiveTable(FunctionTable):
         of_joints, more_shapes = reported.body_vectors.arrays()
         coordinates = reported._primitives()
         of_joints["shape"] += shapes.size
+        of_joints["turn"] += np.where(of_joints["turn"] >= 0, shapes.size, 0)
         coordinates["turn"] += np.where(coordinates["turn"] >= 0, len(self.angles), 0)
         return {
             "equations": tuple(self.names),

@@ -243,6 +243,12 @@ class ElementTable:
             self.table.point(point) if isinstance(point, NodePoint) else self.table.body_vector(body, point)
         )
 
+    def _direction(self, body: int, point: Any, v: np.ndarray) -> int:
+        """The body vector of a direction, which turns with a node that has rotations."""
+        if isinstance(point, NodePoint):
+            return self.table.direction(point, v)
+        return self.table.body_vector(body, v)
+
     def _line(self, ends: Line) -> Any:
         head, tail = self._end(ends.j, ends.P_j), self._end(ends.i, ends.P_i)
         record = blank_load(ELEMENT)
@@ -252,7 +258,9 @@ class ElementTable:
     def _push(self, ends: Push) -> Any:
         record = blank_load(ELEMENT)
         record["in_line"] = ABOUT_VECTOR if ends.turning else ALONG_VECTOR
-        record["body_vector"] = self._end(ends.j, ends.P_j)
+        turns = ends.turning and isinstance(ends.P_j, NodePoint)
+        end = self._direction(ends.j, ends.P_j, np.zeros(3)) if turns else self._end(ends.j, ends.P_j)
+        record["body_vector"] = end
         record["vector"], record["following"] = ends.direction, ends.follows
         return record
 
@@ -273,12 +281,12 @@ class ElementTable:
         table, ends = self.table, item.measure
         head, tail = self._end(ends.j, ends.P_j), self._end(ends.i, ends.P_i)
         turned = table.A(ends.j).T @ table.A(ends.i)
-        axes = [table.body_vector(ends.i, np.eye(3)[k]) for k in range(3)]
+        axes = [self._direction(ends.i, ends.P_i, np.eye(3)[k]) for k in range(3)]
         records = np.repeat(blank_primitive(), 6)
         records["alpha"][:3], records["beta"][3:] = 1.0, 1.0
         records["ends"][:3, 0], records["ends"][:3, 1, 0] = (head, tail), axes
         records["f"][3:], records["g"][3:] = np.roll(axes, -1), np.roll(axes, -2)
-        own = [table.body_vector(ends.j, turned[:, k]) for k in range(3)]
+        own = [self._direction(ends.j, ends.P_j, turned[:, k]) for k in range(3)]
         records["h"][3:], records["turn"][3:] = np.roll(own, -1), len(table.angles) + np.arange(3)
         table.angles += [0.0, 0.0, 0.0]
         loads = fill_bushing(np.repeat(blank_load(ELEMENT), 6), item)

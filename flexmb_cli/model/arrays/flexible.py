@@ -48,6 +48,9 @@ def flexible_arrays(mechanism: FlexibleMechanism) -> SystemArrays:
     )
 
 
+ROUND_OFF_SHAPE = 1e-9  # of the largest shape: what a mode moves the nodes by that moves inner points alone
+
+
 def length_scale(mechanism: FlexibleMechanism) -> float:
     """A power of two near the largest length of the mechanism."""
     sizes = [np.abs(body.r).max() for body in mechanism.bodies]
@@ -58,10 +61,15 @@ def length_scale(mechanism: FlexibleMechanism) -> float:
 
 
 def _mode_scale(body: FloatingBody, length: float) -> np.ndarray:
-    """The modal coordinates whose largest displacement is `length`."""
+    """The modal coordinates whose largest displacement is `length`, or whose largest rotation is 1 rad."""
     if body.flexible is None:
         return np.zeros(0)
-    return length / np.abs(body.flexible.Phi).max(axis=0)
+    found: np.ndarray = np.abs(body.flexible.Phi).max(axis=0)
+    if body.flexible.Psi.size:
+        found = np.maximum(found, length * np.nan_to_num(np.abs(body.flexible.Psi)).max(axis=0))
+        # Modes in which no node moves are as large as the others.
+        found = np.maximum(found, ROUND_OFF_SHAPE * found.max())
+    return length / found
 
 
 def _masses(bodies: Sequence[FloatingBody]) -> np.ndarray:
@@ -117,6 +125,12 @@ def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism) -> list[np.ndarr
     ]
     origin = np.zeros(3)
     return records + [
-        vector_load(TORQUE, table.body_vector(t.body, origin), t.torque, t.follows, table.factor(t.factor))
+        vector_load(
+            TORQUE,
+            table.direction(t.at, origin) if t.at else table.body_vector(t.body, origin),
+            t.torque,
+            t.follows,
+            table.factor(t.factor),
+        )
         for t in mechanism.torques
     ]

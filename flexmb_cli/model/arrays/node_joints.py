@@ -66,9 +66,9 @@ class JointVectors:
             f /= np.linalg.norm(f)
             h = of_b.T @ of_a @ f
             return (
-                table.body_vector(self.i, f),
-                table.body_vector(self.i, np.cross(s, f)),
-                table.body_vector(self.j, self._off_axis(h) @ h),
+                table.direction(self.a[0], f),
+                table.direction(self.a[0], np.cross(s, f)),
+                table.direction(self.b[0], self._off_axis(h) @ h),
             )
         h = self.b[2].r0 - self.b[0].r0
         target = of_a.T @ of_b @ h

@@ -1,10 +1,10 @@
 """Records that the kernels of constrained dynamics read: masses, body vectors, primitives, loads, functions,
 groups.
 
-A body vector is c + S η in the axes of its body: a point, taken with the body's origin, or a free vector.
-Body -1 is the ground, whose axes are global.  The first coordinates are r and p of every body, seven each,
-the first speeds v and ω, six each; behind them stand the modal coordinates of the flexible bodies and their
-rates.
+A body vector is c + S η in the axes of its body, and of what turns with a node + (exp(θ~) - 1) arm, θ = T η:
+a point, taken with the body's origin, or a free vector.  Body -1 is the ground, whose axes are global.  The
+first coordinates are r and p of every body, seven each, the first speeds v and ω, six each; behind them stand
+the modal coordinates of the flexible bodies and their rates.
 """
 
 from typing import Any
@@ -54,6 +54,8 @@ BODY_VECTOR = np.dtype(
         ("first", np.int64),  # first modal coordinate of its body
         ("shape", np.int64),  # where S (3, N) begins in `shapes`
         ("c", np.float64, 3),  # undeformed, body axes, m or, of a direction, 1
+        ("turn", np.int64),  # where T (3, N) of the rotation vector of a node begins in `shapes`, -1: none
+        ("arm", np.float64, 3),  # part of c that turns with the node
     ]
 )
 
@@ -128,16 +130,37 @@ class BodyVectorTable:
         self.shapes: list[Any] = []
         self._size = 0
 
-    def add(self, body: int, c: np.ndarray, shape: np.ndarray | None = None, first: int = 0) -> int:
-        """Number of a new body vector c + shape η; `first`: the first modal coordinate of its body."""
+    def add(
+        self,
+        body: int,
+        c: np.ndarray,
+        shape: np.ndarray | None = None,
+        first: int = 0,
+        turn: np.ndarray | None = None,
+        arm: np.ndarray | tuple[float, float, float] = (0.0, 0.0, 0.0),
+    ) -> int:
+        """Number of a new body vector c + shape η; `first`: the first modal coordinate of its body.
+
+        `turn` (3, N): rotation of a node per modal coordinate, which turns the part `arm` (3,) of c.
+        """
         record = np.zeros((), BODY_VECTOR)
-        record["body"], record["c"], record["first"], record["shape"] = body, c, first, self._size
+        record["body"], record["c"], record["first"], record["turn"] = body, c, first, NONE
+        record["shape"] = self._size
         if shape is not None and shape.shape[1]:
-            record["modes"] = shape.shape[1]
-            self.shapes.append(np.ravel(shape))
-            self._size += shape.size
+            self._append(record, shape)
+        if turn is not None:
+            record["turn"], record["arm"] = self._size, arm
+            self._append(record, turn)
+            if shape is None:
+                self._append(record, 0.0 * turn)
+                record["shape"] = record["turn"] + turn.size
         self.records.append(record)
         return len(self.records) - 1
+
+    def _append(self, record: np.ndarray, shape: np.ndarray) -> None:
+        record["modes"] = shape.shape[1]
+        self.shapes.append(np.ravel(shape))
+        self._size += shape.size
 
     def arrays(self) -> tuple[np.ndarray, np.ndarray]:
         """BODY_VECTOR records, and the shapes one after the other."""

@@ -12,6 +12,7 @@ from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism, NodePoint, PointJoint
 from ...model.vectors import cross_rows
 from .rows import coordinate_accelerations, coordinate_rates, global_axes
+from .turned_arms import arm_motion
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,10 @@ class BodyMotion:
         """Arm of a point with its first two derivatives relative to the body (T, 3), body axes."""
         part = slice(self.first[point.body], self.first[point.body] + point.shape.shape[1])
         s, sd, sdd = (eta[:, part] @ point.shape.T for eta in self.modal)
+        if point.is_arm and point.turn is not None:
+            turns = (eta[:, part] @ point.turn.T for eta in self.modal)
+            moved, speed, more = arm_motion(point.arm, *turns)
+            s, sd, sdd = s + moved, sd + speed, sdd + more
         return point.r0 + s, sd, sdd
 
     def point(self, point: NodePoint) -> Any:

@@ -77,7 +77,7 @@ FLEXIBLE_MODELS = [
         "torque on a flexible body",
         supplied("pendulum", ("JOIN\n", "TORQ\n    1       1.0\nJOIN\n")),
         lambda deck: [
-            "11:5: error: torque 1: body 1 is FLEX, its nodes do not turn; give a pair of forces instead"
+            "11:5: error: torque 1: body 1 is FLEX: name a node with rotations, or give a pair of forces"
         ],
     ),
     (

@@ -64,6 +64,7 @@ JOINT_AND_LOAD_CARDS = (
         *vector_columns("M", "torque", "N m"),
         whole_column("follows", "1: in body axes, else global"),
         _FACTOR,
+        whole_column("node", "FLEX: node with rotations on which it acts"),
     ),
     card(
         "SPRI spring own",
