@@ -78,6 +78,7 @@ def _body(given: FlexibleInput, file: ModalFile, findings: Findings) -> Flexible
         effective_limit=np.zeros(6),
         mass_deviation=deviation,
         rigid_residual=0.0,
+        Psi=shapes[:, 3:].reshape(3 * len(masses), -1),
     )
 
 
