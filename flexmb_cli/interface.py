@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .run.earlier_results import EarlierResults
     from .run.outcome import Listener, Outcome, RunOptions, TextStream
     from .run.solutions import Solution
+    from .study.fit import FitRun
     from .study.sweep import Sweep
 
 
@@ -181,6 +182,43 @@ def sweep(study: str | os.PathLike[str] | Mapping[str, Any], jobs: int = 1) -> d
             return columns | {name: table[name][...] for name in ("exit_code", "rows") if name in table}
 
 
+def fit(study: str | os.PathLike[str] | Mapping[str, Any], jobs: int = 1) -> dict[str, Any]:
+    """Find numbers of a deck as `flexmb fit`; return what the search ends with.
+
+    `study` is the path of a study file, or a dict with the content of one, whose deck is relative to the
+    working folder.  Keys: "parameters" and "results" of the best variant by name, its "cost" (half the sum of
+    squares of the residuals, or the objective) and "violation" of constraints; "numbers", a record for each
+    unknown number with name, unit, value, standard_error and the ends `low` and `high` of its 95 % interval;
+    "converged", "message", and "history", the cost of every variant (variants,).  Raises FlexmbError for a
+    wrong study, and if no variant can be solved.
+    """
+    import tempfile
+
+    from .study.fit import fit_of
+
+    with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
+        path = _study_file(study, folder) if isinstance(study, Mapping) else study
+        run = open_fit(path, os.path.join(folder, "parts"))
+        try:
+            run.find(jobs)
+            history = np.array([variant.cost for variant in run.known.values()])
+            return fit_of(run) | {"history": history}
+        finally:
+            run.end()
+
+
+def open_fit(
+    study: str | os.PathLike[str], parts: str, fresh: bool = False, loop_tolerance: float | None = None
+) -> "FitRun":
+    """Return the fit in a file, whose variants are kept in the folder `parts`; raises DeckError.
+
+    A fit that was stopped continues with the variants that are there, unless it is to be `fresh`.
+    """
+    from .study.fit import FitRun
+
+    return FitRun.of(os.fspath(study), parts, fresh, loop_tolerance)
+
+
 def _study_file(study: Mapping[str, Any], folder: str) -> str:
     from .deck.toml_table import toml_text
 
@@ -263,6 +301,8 @@ __all__ = [
     "Result",
     "RunOptions",
     "check",
+    "fit",
+    "open_fit",
     "open_study",
     "read_deck",
     "solve",

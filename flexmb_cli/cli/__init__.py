@@ -36,6 +36,7 @@ DONE = {
     "verify": "the formulations agree",
     "diff": "no difference beyond tolerance",
     "sweep": "every case is solved",
+    "fit": "the search has converged",
     "flexmb": "done",
 }
 FAILED = {
@@ -46,6 +47,7 @@ FAILED = {
     "statics": "no equilibrium was found",
     "diff": "the results differ, or one is missing",
     "sweep": "some cases failed; the table is complete and says why",
+    "fit": "no variant can be solved, or the search has not converged",
     "flexmb": "an analysis failed, results differ, or the disk is full",
 }
 OF_ALL = {
@@ -93,6 +95,7 @@ COMMANDS = {
     "export": "Write RESULT.h5 for ParaView (vtkhdf), spreadsheets (csv) or...",
     "convert": "Write the model of DECK for another program or dialect.",
     "sweep": "Solve the variants of a deck that STUDY (TOML) describes, and...",
+    "fit": "Find numbers of a deck so that its results meet what STUDY...",
     "new": "Ask for the data of a deck, number by number, and write a deck...",
     "beam": "Write the finite-element block of a beam to standard output.",
     "examples": "List the supplied decks, or copy those named, with the files...",

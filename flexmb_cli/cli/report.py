@@ -86,8 +86,8 @@ def report(
 
     The page needs no network and no graphics card: play, scrub and turn the motion in any browser.
 
-    Of the table of a study: parallel coordinates and each result over the parameters; this needs plotly
-    (the extra `report`).
+    Of the table of a study: parallel coordinates and each result over the parameters; of a fit its
+    numbers with their intervals, its history and paths, too.  This needs plotly (the extra `report`).
 
     \b
     Example:
@@ -211,8 +211,10 @@ def _result_page(path: str, bodies: "BodyLook") -> tuple[bytes, list[Fault]]:
 
 def _study_page(path: str) -> bytes:
     from ..study.figures import study_page
+    from ..study.fit_page import fit_part
     from ..study.text import cases_table, open_study
 
     library = needed("plotly.offline", "plotly", "report", "flexmb report of a study").get_plotlyjs()
     with open_study(path) as file:
-        return study_page(cases_table(file, (), path), file["study"].asstr()[()], library).encode("utf-8")
+        cases, study = cases_table(file, (), path), file["study"].asstr()[()]
+        return study_page(cases, study, library, fit_part(file)).encode("utf-8")

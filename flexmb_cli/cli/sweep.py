@@ -2,6 +2,7 @@
 
 import os
 import sys
+from collections.abc import Callable
 from itertools import islice
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
@@ -63,13 +64,13 @@ def sweep(
     refuse_inputs(output, [study])
     refuse_foreign([output], force)
     notices = Notices("study", study, quiet, as_json)
-    made = _begun(notices, output, parts, options)
-    _warn_of_result(notices, output)
+    made = begun(notices, output, parts, options, interface.open_study)
+    warn_of_result(notices, output)
     stop_on_signals()
     try:
         with notices.failures(), Stop.released():
             _solve(made, notices, options)
-            failed = (case for case in made.results() if case.exit_code) if made.failed else iter(())
+            failed = (case for case in made.results() if case.exit_code and made.failed)
             failures = [(case.case + 1, case.message) for case in islice(failed, MOST_FAILURES)]
             interface.write_study(output, made)
     except (KeyboardInterrupt, Terminated) as stop:
@@ -96,14 +97,16 @@ def _report_stop(
         more = " so far; its workers end what they have begun" if on_cluster else ""
         reported = f"{len(codes)} of {cases} cases are kept in {parts}{more}; the same command continues it"
         failed, table = sum(map(bool, codes)), None
-        _set_aside(output)
+        set_aside(output)
     notify(f"{notices.file}: interrupted; {reported}")
     notices.end("interrupted", exit_code, cases=cases, failed=failed, file=table)
     sys.stdout.flush()
 
 
-def _begun(notices: Notices, output: str, parts: str, options: dict[str, Any]) -> "Sweep":
-    from .. import interface
+def begun(
+    notices: Notices, output: str, parts: str, options: dict[str, Any], begin: Callable[..., Any]
+) -> Any:
+    """Return the study that `begin` opens; a wrong one is reported and ends the command."""
     from ..study.cluster import require_dask
     from ..study.sweep import StudyError
     from ..study.table import require_library
@@ -119,16 +122,16 @@ def _begun(notices: Notices, output: str, parts: str, options: dict[str, Any]) -
             # The cases are kept beside the table: without this their folder would be made with all its
             # parents.
             refuse_unwritable(output, special=False)
-            return interface.open_study(notices.file, parts, options["fresh"], options["loop_tolerance"])
+            return begin(notices.file, parts, options["fresh"], options["loop_tolerance"])
     except StudyError as failure:
         click.echo(compiler_style(failure.file, failure.faults, failure.lines), err=True)
     except DeckError as failure:
         click.echo(compiler_style(notices.file, failure.faults), err=True)
-    _set_aside(output)
+    set_aside(output)
     sys.exit(BAD_INPUT)
 
 
-def _set_aside(output: str) -> None:
+def set_aside(output: str) -> None:
     """Rename the table of an earlier call, which must not pass for that of this one."""
     from ..run.earlier_results import set_study_aside
 
@@ -136,7 +139,7 @@ def _set_aside(output: str) -> None:
         notify(f"{output}: of an earlier call, now {stale}")
 
 
-def _warn_of_result(notices: Notices, output: str) -> None:
+def warn_of_result(notices: Notices, output: str) -> None:
     """Warn before anything is solved: arm.toml and a run of arm.vsdf both write arm.h5."""
     from ..results.hdf5.stored_result import is_run
 

@@ -54,6 +54,20 @@ def modes_of_deck(path: str, wish: Wish, options: RunOptions, listener: Listener
 def _fill(report: ModesReport, wish: Wish, run: Run) -> None:
     deck = open_deck(run.outcome.deck, run.options, run.outcome)
     model = model_of(deck, run)
+    analysis = _free(model)
+    wish = _at_rest(model, wish)
+    run.outcome.faults += unit_warnings(model, run.outcome.system)
+    report.deck = deck
+    if analysis == "flexible":
+        report.bodies = [body.flexible for body in model.bodies if body.flexible is not None]
+    if wish.of_mechanism or not report.bodies:
+        report.mechanism = mechanism_modes(model, wish, run)
+        if wish.out is not None:
+            write_state_space(wish.out, report.mechanism.state_space)
+
+
+def _free(model: Any) -> str:
+    """Return the analysis of a model whose motion is free; raises ModelError for another."""
     analysis = analysis_of(model)
     if analysis == "kinematic" or (analysis == "dynamic" and model.analysis != "forward"):
         message = (
@@ -61,20 +75,23 @@ def _fill(report: ModesReport, wish: Wish, run: Run) -> None:
             "give them"
         )
         raise ModelError([Fault("error", message, id="RUN-018")])
-    if model.elements.rests:
-        if wish.time is not None and not wish.equilibrium:
-            [line] = model.elements.rests
-            message = "the motion from the equilibrium is not followed to --at TIME; leave out one of them"
-            raise ModelError([Fault("error", message, line.place, line.name, id="SOLVE-183")])
-        wish = replace(wish, equilibrium=True)
-    run.outcome.faults += unit_warnings(model, run.outcome.system)
-    report.deck = deck
-    if analysis == "flexible":
-        report.bodies = [body.flexible for body in model.bodies if body.flexible is not None]
-    if wish.of_mechanism or not report.bodies:
-        report.mechanism = MODES[analysis](model, wish, run)
-        if wish.out is not None:
-            write_state_space(wish.out, report.mechanism.state_space)
+    return analysis
+
+
+def mechanism_modes(model: Any, wish: Wish, run: Run) -> MechanismModes:
+    """Linearised motion of a mechanism; raises ModelError, AnalysisError."""
+    return MODES[_free(model)](model, _at_rest(model, wish), run)
+
+
+def _at_rest(model: Any, wish: Wish) -> Wish:
+    """Return the wish for the equilibrium that the deck begins in, if it does."""
+    if not model.elements.rests:
+        return wish
+    if wish.time is not None and not wish.equilibrium:
+        [line] = model.elements.rests
+        message = "the motion from the equilibrium is not followed to --at TIME; leave out one of them"
+        raise ModelError([Fault("error", message, line.place, line.name, id="SOLVE-183")])
+    return replace(wish, equilibrium=True)
 
 
 MODES: dict[str, Callable[[Any, Wish, Run], MechanismModes]] = {

@@ -2,8 +2,9 @@
 
 import time
 from collections import Counter, deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError
+from contextlib import contextmanager
 from typing import Any
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, FlexmbError
@@ -30,11 +31,11 @@ def require_dask() -> None:
     needed("distributed", "distributed", "cluster", "--scheduler")
 
 
-def solve_on_cluster(sweep: Sweep, blocks: list[int], advance: Callable[[int], None], address: str) -> None:
-    """Solve `blocks` on the Dask cluster whose scheduler is at `address`, a few at a time.
+@contextmanager
+def client_of(address: str) -> Iterator[Any]:
+    """A client of the Dask cluster whose scheduler is at `address`.
 
-    Raises MissingExtra without Dask, ClusterError when there is no scheduler or no worker, when the
-    scheduler is lost, or when workers lack flexmb or have another version.
+    Raises MissingExtra without Dask, ClusterError when there is no scheduler, or when it is lost.
     """
     require_dask()
     from distributed import Client
@@ -48,11 +49,21 @@ def solve_on_cluster(sweep: Sweep, blocks: list[int], advance: Callable[[int], N
         raise ClusterError(f"no Dask scheduler answers at {address}: {fault}", id="STUDY-005") from fault
     with client:
         try:
-            _Cluster(client, sweep, advance, address).solve(blocks)
+            yield client
         except (CancelledError, OSError) as fault:
             reason = " ".join(str(fault).split())  # newer versions of Dask explain on several lines
             message = f"the Dask scheduler at {address} was lost: {reason}; the same command continues it"
             raise ClusterError(message, ANALYSIS_FAILED, id="STUDY-006") from fault
+
+
+def solve_on_cluster(sweep: Sweep, blocks: list[int], advance: Callable[[int], None], address: str) -> None:
+    """Solve `blocks` on the Dask cluster whose scheduler is at `address`, a few at a time.
+
+    Raises as `client_of`, and ClusterError when there is no worker, or workers lack flexmb or have another
+    version.
+    """
+    with client_of(address) as client:
+        _Cluster(client, sweep, advance, address).solve(blocks)
 
 
 def solve_share(job: Job, blocks: list[int]) -> list[BlockDone]:

@@ -9,14 +9,15 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, TypeGuard
 
+from ..deck.expansion.expressions import Formula, WrongFormula, evaluated, formula
 from ..deck.record import DeckText
 from ..deck.toml_table import DeepNameError, TomlError, toml_table
 from ..dialects import DIALECTS
 from ..dialects.recognise import AUTO
 from ..errors import DeckError, Fault, Place
-from .study import GRID, LATIN, SAMPLINGS, SERIES, TAKES, TOGETHER, Kept, Study, Varied
+from .study import GRID, LATIN, MODAL, SAMPLINGS, SERIES, TAKES, TOGETHER, Kept, Study, Varied
 
-TABLES = ("parameters", "results")
+TABLES = ("parameters", "results", "targets")
 _HEAD = re.compile(r"\s*\[\s*[\"']?([^][\"']*?)[\"']?\s*\]")
 _BEFORE_KEY = re.compile(r"\s*\[?\s*")
 _BEFORE_KEY_OF_TABLE = re.compile(r"\s*(\w+)\s*\.\s*")
@@ -64,21 +65,23 @@ def _names(line: str, start: int) -> Iterator[tuple[str, int]]:
 
 MOST_CASES = 100_000_000
 MOST_VALUES = 1_000_000  # of one parameter
-KEYS = ("deck", "dialect", "sampling", "count", "seed", "parameters", "results")
+KEYS = ("deck", "dialect", "sampling", "together", "count", "seed", "parameters", "results")
+_WINDOW = re.compile(r"(.*?)(?:\s+from\s+(\S+))?(?:\s+to\s+(\S+))?\s*")
 RANGE_KEYS = ("from", "to", "count", "scale")
 SCALES = ("linear", "log")
 
 
 def read_study(source: DeckText) -> Study:
     """The study of a TOML text; raises DeckError with every fault, each at the line of its name."""
-    reader = _Reader(source, _table(source))
+    reader = StudyReader(source, study_table(source))
     study = reader.study()
     if reader.faults:
         raise DeckError(reader.faults)
     return study
 
 
-def _table(source: DeckText) -> dict[Any, Any]:
+def study_table(source: DeckText) -> dict[Any, Any]:
+    """Return the table of a study's text; raises DeckError where it is not TOML."""
     try:
         return toml_table(source)
     except DeepNameError as fault:
@@ -109,8 +112,10 @@ def _refuse_deck(source: DeckText) -> None:
     raise DeckError([Fault("error", message, Place(1, 1), id="STUDY-028")])
 
 
-class _Reader:
+class StudyReader:
     """Walks the tables of a study and collects faults."""
+
+    dialects = (AUTO, *reversed(DIALECTS))
 
     def __init__(self, source: DeckText, table: dict[Any, Any]):
         self.source, self.table = source, table
@@ -118,10 +123,13 @@ class _Reader:
         self.within = ""  # the table whose entries are being read
 
     def study(self) -> Study:
+        """Return the study; faults are collected."""
         self._refuse_unknown(self.table, KEYS, "study")
         sampling = self._choice("sampling", SAMPLINGS, GRID)
         sampled = sampling == LATIN
         parameters = [self._varied(name, given, sampled) for name, given in self._entries("parameters")]
+        known = [item for item in parameters if item]
+        self._check_formulas(known)
         results = [self._kept(*item) for item in self._entries("results")]
         self.within = ""
         count = self._sample_size() if sampled else 0
@@ -131,12 +139,13 @@ class _Reader:
             )
         study = Study(
             self._text("deck"),
-            self._choice("dialect", (AUTO, *reversed(DIALECTS)), AUTO),
+            self._choice("dialect", self.dialects, AUTO),
             sampling,
-            tuple(item for item in parameters if item),
+            tuple(known),
             _with_times(tuple(item for item in results if item)),
             count or 0,
             self._whole("seed", 0, 2**32 - 1, 0),
+            self._groups(sampling, {item.name for item in known}),
         )
         if not self.faults:
             self._check_size(study)
@@ -150,20 +159,56 @@ class _Reader:
         )
 
     def _check_size(self, study: Study) -> None:
-        lengths = {len(item.values) for item in study.parameters}
-        if study.sampling == TOGETHER and len(lengths) > 1:
-            counts = ", ".join(f"{item.name} has {len(item.values)}" for item in study.parameters)
-            self._fault(
-                "parameters",
-                f"with sampling = {TOGETHER!r} all need as many values: {counts}",
-                id="STUDY-035",
-            )
+        axes = ([study.parameters[k] for k in axis] for axis in study.axes)
+        uneven = [items for items in axes if len({len(item.values) for item in items}) > 1]
+        if uneven:
+            counts = ", ".join(f"{item.name} has {len(item.values)}" for item in uneven[0])
+            which = f"with sampling = {TOGETHER!r} all" if study.sampling == TOGETHER else "a group's"
+            self._fault("parameters", f"{which} need as many values: {counts}", id="STUDY-035")
         elif study.cases > MOST_CASES:
             self._fault(
                 "parameters", f"make {study.cases} cases; more than {MOST_CASES} are refused", id="STUDY-036"
             )
         elif study.sampling == LATIN and study.count * len(study.parameters) > MOST_CASES:
             self._fault("count", f"times parameters may be {MOST_CASES} at most", id="STUDY-037")
+
+    def _groups(self, sampling: str, known: set[str]) -> tuple[tuple[str, ...], ...]:
+        given = self.table.get("together", [])
+        groups = given if isinstance(given, list) and all(isinstance(each, list) for each in given) else None
+        names = [name for group in groups or () for name in group]
+        if groups is None or not all(isinstance(name, str) and name in known for name in names):
+            message = 'holds lists of names of [parameters]: together = [["a", "b"]]'
+        elif len(set(names)) < len(names):
+            message = "names a parameter twice"
+        elif groups and sampling != GRID:
+            message = f"belongs to sampling = {GRID!r}"
+        else:
+            return tuple(map(tuple, groups))
+        self._fault("together", message, id="STUDY-111")
+        return ()
+
+    def _check_formulas(self, parameters: list[Varied]) -> None:
+        """Refuse formulas that name what is no parameter, or each other in a circle."""
+        names = {item.name for item in parameters}
+        formulas = {item.name: item.formula for item in parameters if item.formula}
+        for name, one in formulas.items():
+            if unknown := [each for each in one.names if each not in names]:
+                self._fault(name, f"names {unknown[0]}, which is not in [parameters]", id="STUDY-112")
+        if self.faults:
+            return
+        chosen = {item.name: float(item.values[0]) for item in parameters if item.values}
+        for name, value in evaluated(formulas, chosen):
+            if isinstance(value, str) and value.startswith("is defined"):
+                self._fault(name, f"its formula {value}", id="STUDY-113")
+                return
+
+    def _formula(self, name: str, text: str) -> Formula | None:
+        """Return the formula in a text of the entry `name`."""
+        try:
+            return formula(text)
+        except WrongFormula as fault:
+            self._fault(name, f"{text!r} is no formula: {fault}", id="STUDY-114")
+            return None
 
     def _entries(self, key: str) -> list[Any]:
         """Names and contents of a table that must not be empty."""
@@ -180,19 +225,29 @@ class _Reader:
         return list(table.items())
 
     def _varied(
-        self, name: str, given: Mapping[Any, Any] | int | Sequence[Any] | str, sampled: bool
+        self, name: str, given: Mapping[Any, Any] | float | Sequence[Any] | str, sampled: bool
     ) -> Varied | None:
         if isinstance(given, dict):
             return self._range(name, given, sampled)
+        if isinstance(given, str):
+            parsed = self._formula(name, given)
+            return Varied(name, place=self._place(name), formula=parsed) if parsed else None
+        if is_number(given):
+            return Varied(name, (given,), place=self._place(name))
         if sampled:
-            self._fault(name, "a sample needs a range: { from = 1, to = 2 }", id="STUDY-039")
+            self._fault(
+                name, "a sample needs a range { from = 1, to = 2 }, a number or a formula", id="STUDY-039"
+            )
             return None
         if not isinstance(given, list) or not given:
             self._fault(
-                name, "needs a list of numbers or a range { from = 1, to = 2, count = 5 }", id="STUDY-040"
+                name,
+                "needs a list of numbers or a range { from = 1, to = 2, count = 5 }, a number or a "
+                "formula in quotes",
+                id="STUDY-040",
             )
             return None
-        if not all(map(_is_number, given)):
+        if not all(map(is_number, given)):
             self._fault(name, "a list holds finite numbers only", id="STUDY-041")
             return None
         return Varied(name, tuple(given), place=self._place(name))
@@ -204,7 +259,7 @@ class _Reader:
             return None
         self._refuse_unknown(given, RANGE_KEYS, name)
         start, end, scale = given.get("from"), given.get("to"), given.get("scale", SCALES[0])
-        if not _is_number(start) or not _is_number(end):
+        if not is_number(start) or not is_number(end):
             self._fault(name, "a range needs finite numbers `from` and `to`", id="STUDY-043")
             return None
         if scale not in SCALES:
@@ -235,7 +290,23 @@ class _Reader:
             form = "letters, digits, marks and blanks, but no slash and no blank at its ends"
             self._fault(name, f"a name of a result has {form}", id="STUDY-049")
             return None
-        return Kept(name, quantity.strip(), take, self._place(name))
+        return self._within(name, quantity.strip(), take)
+
+    def _within(self, name: str, text: str, take: str) -> Kept | None:
+        """Return a result with the time in which it is taken."""
+        window = _WINDOW.fullmatch(text)
+        assert window is not None, "all of it may be left out"
+        try:
+            start, end = float(window[2] or -math.inf), float(window[3] or math.inf)
+        except ValueError:
+            start, end = 1.0, 0.0
+        if not start < end or ((window[2] or window[3]) and take in (SERIES, *MODAL)):
+            message = (
+                'a time in which a number is taken is written "max body.3.z from 0.5 to 2"; none of a series'
+            )
+            self._fault(name, message, id="STUDY-115")
+            return None
+        return Kept(name, window[1], take, self._place(name), start, end)
 
     def _text(self, key: str) -> str:
         given = self.table.get(key)
@@ -262,7 +333,7 @@ class _Reader:
             if key not in known:
                 self._fault(key, f"unknown in {owner}; known are {', '.join(known)}", id="STUDY-053")
 
-    def _fault(self, name: str, message: str, place: Place | None = None, *, id: str) -> None:
+    def _fault(self, name: str, message: str, place: Place | None = None, *, id: str) -> Any:
         place = place or self._place(name)
         self.faults.append(Fault("error", message, place, name, id=id))
 
@@ -301,7 +372,8 @@ def _dotted(name: str, given: object) -> str:
     return _dotted(full, inner) or full
 
 
-def _is_number(value: object) -> TypeGuard[float]:
+def is_number(value: object) -> TypeGuard[float]:
+    """Return whether a value of TOML is a finite number."""
     return (type(value) is int and abs(value) < 10**300) or (type(value) is float and math.isfinite(value))
 
 

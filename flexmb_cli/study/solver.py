@@ -1,7 +1,8 @@
 """One case of a study: the deck with other numbers, solved in memory; what is kept of it."""
 
 import os
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +21,9 @@ from ..run.model import model_of
 from ..run.outcome import Listener, Outcome, Run, RunOptions, Stop
 from ..run.solution import solution_of, with_outputs
 from ..run.solutions import Solution
-from .study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Cases, Kept, Study
+from .continuous import highest
+from .modal import modal_quantity, modal_values
+from .study import FIRST, HIGHEST, LARGEST, LAST, LOWEST, MEAN, MODAL, SERIES, SMALLEST, Cases, Kept, Study
 
 if TYPE_CHECKING:
     import h5py
@@ -28,7 +31,7 @@ if TYPE_CHECKING:
     from ..solvers.kinematics.variants import Variants
 
 MESSAGE_LENGTH = 2000
-_NO_SERIES = np.zeros((0, 0))
+NO_SERIES = np.zeros((0, 0))
 
 
 @dataclass(frozen=True)
@@ -65,12 +68,14 @@ class CaseSolver:
         self.cases = Cases(self.study)
         self._settable = SettableDeck(self.deck)
         self._refuse_unknown_numbers()
-        solution = self._solution(self.deck)
-        self.rows = solution.rows
-        self.quantities = _quantities(self.study, self.deck, solution)
         self.takes = [item.take for item in self.study.results]
+        solution = self._solution(self._with_constants()) if set(self.takes) - set(MODAL) else None
+        self.rows = solution.rows if solution else 0
+        self.quantities = _quantities(self.study, self.deck, solution)
         names = [item.name for item in self.study.parameters]
-        self._together = CasesTogether.of(names, dialect_named(self.deck.dialect), solution)
+        plain = solution and not set(self.takes) & set(MODAL)
+        dialect = dialect_named(self.deck.dialect)
+        self._together = CasesTogether.of(names, dialect, solution) if solution and plain else None
 
     def listened_by(self, listener: Listener) -> None:
         """Report to `listener` from now on, earlier notices first."""
@@ -86,7 +91,13 @@ class CaseSolver:
 
     def _refuse_unknown_numbers(self) -> None:
         """Names that the deck lacks are a fault of the study; values may still be wrong case by case."""
-        unknown = [item for item in self.study.parameters if item.name not in self._settable]
+        formulas = (item.formula for item in self.study.parameters if item.formula)
+        of_formulas = {name for one in formulas for name in one.names}
+        unknown = [
+            item
+            for item in self.study.parameters
+            if item.name not in self._settable and item.name not in of_formulas
+        ]
         if unknown:
             raise DeckError(
                 [
@@ -95,8 +106,24 @@ class CaseSolver:
                 ]
             )
 
+    def _with_constants(self) -> Deck:
+        """Return the deck with the numbers that are the same in all cases."""
+        parameters = self.study.parameters
+        row = self.study.complete(
+            [item.values[0] if len(item.values) == 1 else np.nan for item in parameters]
+        )
+        known = [item for item, value in zip(parameters, row, strict=True) if np.isfinite(value)]
+        constant = replace(self.study, parameters=tuple(known))
+        settings = constant.settings(
+            [value for value in row if np.isfinite(value)], self._settable.__contains__
+        )
+        return self._settable.with_settings(settings) if settings else self.deck
+
+    def _run(self, deck: Deck) -> Run:
+        return Run(Outcome(os.path.join(self.folder, deck.source.name)), self.options, self.listener)
+
     def _solution(self, deck: Deck) -> Solution:
-        run = Run(Outcome(os.path.join(self.folder, deck.source.name)), self.options, self.listener)
+        run = self._run(deck)
         return with_outputs(solution_of(model_of(deck, run), run), deck)
 
     @property
@@ -114,18 +141,19 @@ class CaseSolver:
         except (MemoryError, OverflowError):  # each of them alone may be spared it, or else reports it
             return [self.solve(case) for case in cases]
         found = [self._values_of(quantity, values).reshape(len(cases), -1) for quantity in self.quantities]
+        times = values["time"].reshape(len(cases), -1)
         return [
-            self._plain_result(case, [rows[k] for rows in found]) if plain[k] else self.solve(case)
+            self._plain_result(case, times[k], [rows[k] for rows in found]) if plain[k] else self.solve(case)
             for k, case in enumerate(cases)
         ]
 
-    def _plain_result(self, case: int, found: list[np.ndarray]) -> CaseResult:
+    def _plain_result(self, case: int, times: np.ndarray, found: list[np.ndarray]) -> CaseResult:
         """The result of a case by the rows of each quantity, in blocks as an analysis yields them."""
         taken = self._nothing_taken()
         for part, rows in zip(taken, found, strict=True):
-            for block in filter(len, (rows[:1], rows[1:])):
-                part.add(block)
-        return self._result(case, DONE, self.rows, taken, "")
+            for block in (slice(0, 1), slice(1, None)):
+                part.add(times[block], rows[block])
+        return self._result(case, self.cases.row(case), DONE, self.rows, taken, "")
 
     @staticmethod
     def _values_of(quantity: Quantity, values: Values) -> np.ndarray:
@@ -134,36 +162,56 @@ class CaseSolver:
 
     def solve(self, case: int) -> CaseResult:
         """The result of a case; what fails is reported in it."""
+        return self.solve_row(case, self.cases.row(case))
+
+    def solve_row(self, case: int, row: list[float | int]) -> CaseResult:
+        """The result of the case with these values of the parameters; what fails is reported in it."""
         taken, rows, code, message = self._nothing_taken(), 0, DONE, ""
+        pairs = zip(self.quantities, taken, strict=True)
+        moving = [(quantity, part) for quantity, part in pairs if part.take not in MODAL]
         try:
-            deck = self._settable.with_settings(self.cases.settings(case))
-            solution = self._solution(deck)
-            self._refuse_other_grid(solution)
-            for values in solution.blocks():
+            deck = self._settable.with_settings(self.study.settings(row, self._settable.__contains__))
+            for values in self._blocks(deck) if moving else ():
                 rows += len(values["time"])
-                for quantity, part in zip(self.quantities, taken, strict=True):
-                    part.add(self._values_of(quantity, values))
+                for quantity, part in moving:
+                    part.add(values["time"], self._values_of(quantity, values))
+            if len(moving) < len(taken):
+                self._add_modes(deck, taken)
         except FlexmbError as failure:
             code, message = failure.exit_code, failure.faults[0].sentence
         except Exception as fault:
             # A stop that became another exception is none of the case's.
             Stop.raise_if_asked()
             code, message = _reported(fault)
-        return self._result(case, code, rows, taken, message)
+        return self._result(case, row, code, rows, taken, message)
+
+    def _blocks(self, deck: Deck) -> Iterator[Values]:
+        solution = self._solution(deck)
+        self._refuse_other_grid(solution)
+        yield from solution.blocks()
+
+    def _add_modes(self, deck: Deck, taken: "list[_Taken]") -> None:
+        pairs = zip(taken, self.study.results, strict=True)
+        chosen = [(part, item) for part, item in pairs if item.take in MODAL]
+        values = modal_values([item for _, item in chosen], deck, self._run(deck))
+        for (part, _), value in zip(chosen, values, strict=True):
+            part.value = value
 
     def unsolved(self, case: int, code: int, message: str) -> CaseResult:
         """The result of a case of which nothing is known but that it failed."""
-        return self._result(case, code, 0, self._nothing_taken(), message)
+        return self._result(case, self.cases.row(case), code, 0, self._nothing_taken(), message)
 
     def _nothing_taken(self) -> "list[_Taken]":
-        return [_Taken(take, self.rows) for take in self.takes]
+        return [_Taken(item, self.rows) for item in self.study.results]
 
-    def _result(self, case: int, code: int, rows: int, taken: "list[_Taken]", message: str) -> CaseResult:
-        parameters = np.array(self.cases.row(case), dtype=float)
+    def _result(
+        self, case: int, row: list[float | int], code: int, rows: int, taken: "list[_Taken]", message: str
+    ) -> CaseResult:
+        parameters = np.array(row, dtype=float)
         # The largest of the rows before a lock is no result; a series shows where it ends.
-        single = [part.value if code == DONE else np.nan for part in taken if part.take != SERIES]
+        single = [part.final() if code == DONE else np.nan for part in taken if part.take != SERIES]
         series = np.array([part.series for part in taken if part.take == SERIES], dtype=float)
-        series = series.reshape(len(taken) - len(single), -1) if self.study.keeps_series else _NO_SERIES
+        series = series.reshape(len(taken) - len(single), -1) if self.study.keeps_series else NO_SERIES
         return CaseResult(
             case, code, rows, parameters, np.array(single, dtype=float), series, message[:MESSAGE_LENGTH]
         )
@@ -186,17 +234,22 @@ def _reported(fault: Exception) -> tuple[int, str]:
     return INTERNAL_FAULT, f"a fault of flexmb itself: {type(fault).__name__}; {remedy}"
 
 
-def _quantities(study: Study, deck: Deck, solution: Solution) -> list[Quantity]:
+def _quantities(study: Study, deck: Deck, solution: Solution | None) -> list[Quantity]:
     """Return what the study keeps, looked up in a result without rows.  Raises DeckError."""
     faults: list[Fault] = []
-    with empty_result(deck, solution.layout()) as result:
-        found = [_one(result, item, faults) for item in study.results]
+    found = [modal_quantity(item, faults) if item.take in MODAL else None for item in study.results]
+    if solution:
+        with empty_result(deck, solution.layout()) as result:
+            named = zip(study.results, found, strict=True)
+            found = [quantity or _one(result, item, faults) for item, quantity in named]
     if faults:
         raise DeckError(faults)
     return [quantity for quantity in found if quantity is not None]
 
 
 def _one(result: "h5py.File", item: Kept, faults: list[Fault]) -> Quantity | None:
+    if item.take in MODAL:
+        return None  # which has its fault
     subject = f"result {item.name}"
     try:
         found = resolve(result, [item.quantity])
@@ -215,12 +268,21 @@ def _one(result: "h5py.File", item: Kept, faults: list[Fault]) -> Quantity | Non
 class _Taken:
     """The wanted values of one quantity, block by block; nan where there are none."""
 
-    def __init__(self, take: str, rows: int):
-        self.take, self.value, self.count = take, np.nan, 0
-        self.series = np.full(rows if take == SERIES else 0, np.nan)
+    def __init__(self, item: Kept, rows: int):
+        self.take, self.value, self.count = item.take, np.nan, 0
+        self.start, self.end = item.start, item.end
+        self.series = np.full(rows if self.take == SERIES else 0, np.nan)
+        self.blocks: list[tuple[np.ndarray, np.ndarray]] = []
 
-    def add(self, values: np.ndarray) -> None:
+    def add(self, times: np.ndarray, values: np.ndarray) -> None:
+        """Take what is wanted of the values at these times, s."""
+        if self.take in (HIGHEST, LOWEST):
+            self.blocks.append((times, values))
+            return
+        values = values[(times >= self.start) & (times <= self.end)]
         before, self.count = self.count, self.count + len(values)
+        if not len(values):
+            return
         if self.take == SERIES:
             self.series[before : self.count] = values
         elif self.take == LAST:
@@ -234,6 +296,14 @@ class _Taken:
         elif self.take == MEAN:
             total = values.sum() + (self.value * before if before else 0.0)
             self.value = total / self.count
+
+    def final(self) -> float:
+        """Return the value when all blocks are there."""
+        if not self.blocks:
+            return self.value
+        times, values = (np.concatenate(parts) for parts in zip(*self.blocks, strict=True))
+        sign = 1.0 if self.take == HIGHEST else -1.0
+        return sign * highest(times, sign * values, self.start, self.end)
 
 
 @dataclass(frozen=True)

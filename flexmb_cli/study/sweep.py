@@ -94,11 +94,11 @@ class Sweep:
         cls, path: str, parts_folder: str, fresh: bool = False, loop_tolerance: float | None = None
     ) -> "Sweep":
         """The study in the file at `path`; begins its folder of parts or continues with it."""
-        text = _study_text(path)
+        text = study_text(path)
         with reported_at(path, text.lines):
             study = read_study(text)
         deck_path = os.path.join(os.path.dirname(path), study.deck)
-        deck_text = _readable_deck(deck_path, study)
+        deck_text = readable_deck(deck_path, study)
         folder = os.path.dirname(os.path.abspath(deck_path))
         size = max(1, min(MOST_CASES_A_BLOCK, study.cases // BLOCKS_WANTED))
         identity = {"version": __version__, "deck": deck_text.sha256, "study": text.sha256}
@@ -169,7 +169,8 @@ def reported_at(path: str, lines: Lines | tuple[Any, ...] = ()) -> Iterator[None
         raise StudyError(path, failure.faults, lines) from failure
 
 
-def _study_text(path: str) -> DeckText:
+def study_text(path: str) -> DeckText:
+    """Return the text of the study at `path`; raises StudyError."""
     with reported_at(path):
         text = read_text(path, "study")
     with reported_at(path, text.lines):
@@ -181,7 +182,7 @@ def _study_text(path: str) -> DeckText:
     return text
 
 
-def _readable_deck(path: str, study: Study) -> DeckText:
+def readable_deck(path: str, study: Study) -> DeckText:
     """The text of the study's deck; what is wrong with it is reported at its own lines."""
     with reported_at(path):
         if os.path.exists(path) and not os.path.isfile(path):
@@ -280,8 +281,9 @@ def _head(sweep: Sweep) -> TableHead:
 def _parameter_columns(sweep: Sweep) -> Iterator[Column]:
     numbers = dict(sweep.deck.numbers()) | dict(sweep.deck.variables)
     for item in sweep.job.study.parameters:
-        number = numbers[item.name]
-        yield Column(f"parameter/{item.name}", number.unit or "1", number.meaning)
+        number = numbers.get(item.name)
+        meaning = number.meaning if number else "number of the study"
+        yield Column(f"parameter/{item.name}", (number and number.unit) or "1", meaning)
 
 
 def _result_columns(sweep: Sweep) -> Iterator[Column]:

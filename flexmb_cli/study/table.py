@@ -35,7 +35,10 @@ class Column:
 
 @dataclass(frozen=True)
 class TableHead:
-    """Head of a table: texts of study and deck, name and digest of the deck, columns in order, rows."""
+    """Head of a table: texts of study and deck, name and digest of the deck, columns in order, rows.
+
+    `summary`: datasets of HDF5 that have no row for each case, arrays of numbers or lists of texts.
+    """
 
     study: str
     deck: str
@@ -43,6 +46,7 @@ class TableHead:
     deck_sha256: str
     columns: tuple[Column, ...]
     rows: int
+    summary: tuple[tuple[Column, Any], ...] = ()
 
 
 # A row: case number from 1, exit code, report rows solved, message, and the numbers of the columns.
@@ -86,6 +90,7 @@ def _write_hdf5(place: Replacement, head: TableHead, rows: Iterable[Any]) -> Non
 
 def _fill(file: h5py.File, head: TableHead, rows: Iterable[Any], disk: FullDiskGuard) -> None:
     datasets = _datasets(file, head)
+    _add_summary(file, head)
     start = 0
     for block in _blocks(head, rows):
         with disk.blamed():  # a long study need not be gone through for nothing
@@ -122,6 +127,20 @@ def _datasets(file: h5py.File, head: TableHead) -> dict[str, h5py.Dataset]:
             if column.length == length:
                 made[column.path].dims[1].attach_scale(scale)
     return made
+
+
+def _add_summary(file: h5py.File, head: TableHead) -> None:
+    for column, values in head.summary:
+        is_text = isinstance(values, list)
+        dataset = file.create_dataset(column.path, data=values, dtype=TEXT if is_text else "f8")
+        _describe(dataset, column.units, column.long_name)
+        for axis, length in enumerate(dataset.shape):
+            name = f"entry_{length}"
+            if name not in file:
+                file[name] = np.arange(1, length + 1)
+                file[name].make_scale(name)
+                _describe(file[name], "1", "number of the entry")
+            dataset.dims[axis].attach_scale(file[name])
 
 
 def _row_scale(file: h5py.File, length: int) -> h5py.Dataset:

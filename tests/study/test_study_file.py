@@ -130,7 +130,7 @@ def test_a_parameter_knows_where_it_stands():
     assert [varied.place for varied in study(GRID).parameters] == [(3, 2, 10), (4, 2, 9)]
 
 
-@pytest.mark.parametrize("line", ['"a.{}" = "wrong"', "key{} = 1"])
+@pytest.mark.parametrize("line", ['"a.{}" = "wrong"', "key{} = true"])
 def test_many_wrong_names_are_told_in_time_in_proportion_to_their_number(line):
     """Each name was looked for on every line: hours for a megabyte."""
 
