@@ -17,6 +17,7 @@ RETIRED = {
     "DAFMS-184": "DAFMS-173", "SOLVE-004": "SOLVE-042", "VSDF-177": "", "VSDF-178": "",
     "DECK-015": "", "DECK-017": "",
     "FE-014": "FE-252", "FE-017": "FE-199", "FE-107": "FE-253", "FE-132": "FE-139",
+    "RESULT-056": "", "RESULT-060": "", "RESULT-068": "", "RESULT-074": "",
     "FE-035": "FE-199", "FE-098": "FE-054",
     "FE-198": "", "FE-203": "FE-202", "MODEL-009": "SOLVE-028", "MODEL-014": "MODEL-015",
     "RUN-006": "RESULT-007", "RUN-011": "", "RUN-027": "MODEL-017", "RUN-029": "", "RUN-032": "",

@@ -47,7 +47,7 @@ def convert(
     as_json: bool,
     quiet: bool,
 ) -> None:
-    """Write the model of DECK for another program or dialect.
+    """Write the model of DECK, or of a URDF or MJCF file, for another program or dialect.
 
     Numbers are in SI units; a YOUNG deck may be in others. What the form cannot hold is refused, with its
     place in the deck.
@@ -56,6 +56,7 @@ def convert(
     Example:
         flexmb convert decks/dafms/spatial_rigid.DAT --to mjcf
         flexmb convert decks/dafms/spatial_rigid.DAT --to vsdf
+        flexmb convert robot.urdf --to young
         flexmb convert IN4-BAR.dat --to young --to-unit mm -o IN4-MM.dat
     """
     from ..run.convert import converted

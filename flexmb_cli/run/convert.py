@@ -3,23 +3,28 @@
 from dataclasses import replace
 from pathlib import PurePath
 from typing import Any
+from xml.etree import ElementTree
 
 from ..deck.record import Deck, DeckText
+from ..deck.text import read_text
 from ..deck.units import UNITS, Units
 from ..dialects import DIALECTS
 from ..dialects.elements_block.line import has_outputs, lines_of, system_of
 from ..dialects.recognise import dialect_named, read_deck
-from ..errors import DeckError, Fault, FlexmbError, ModelError, visible
+from ..errors import DeckError, Fault, FlexmbError, ModelError, Place, visible
 from ..model.exchange.conversion import Start
 from ..model.exchange.units import in_units
 from ..model.loads import DynamicModel
 from ..results.models.exudyn import exudyn_script
 from ..results.models.mjcf import mjcf
+from ..results.models.mjcf_file import mjcf_model
+from ..results.models.urdf import urdf_model
 from .model import analysis_of, folder_of, model_of, open_deck
 from .outcome import Outcome, Run, RunOptions
 from .solution import solution_of
 
 SI = "m"
+ROBOTS = {".urdf": "robot", ".xml": "mujoco"}  # roots of the files of other programs that are read
 ROWS_FOR_RANK = 3  # of the motion: a start at rest in a singular position must leave it
 
 
@@ -39,6 +44,8 @@ def converted(
     """
     options = RunOptions(changes=changes)
     try:
+        if PurePath(path).suffix.lower() in ROBOTS:
+            return _of_robot(path, form, (changes, unit, to_unit), outcome or Outcome(path))
         run = Run(outcome or Outcome(path), options)
         deck = open_deck(path, options, run.outcome)
         # What a file is called may come from anywhere, and must not be more than a word of the new file.
@@ -68,6 +75,36 @@ def _units_of(deck: Deck, form: str, unit: str) -> str:
     if system and unit not in (SI, system):
         raise ModelError([Fault("error", f"--unit {unit}: the deck says UNITS {system}", id="RUN-151")])
     return system or unit
+
+
+def _of_robot(path: str, form: str, options: tuple[Any, ...], outcome: Outcome) -> str:
+    """Return the model of a URDF or MJCF file as a deck; raises FlexmbError."""
+    changes, unit, to_unit = options
+    if form not in DIALECTS or changes or unit != SI:
+        message = "a URDF or MJCF file converts to a deck, as it is and in SI units; change the deck"
+        raise ModelError([Fault("error", message, id="RUN-152")])
+    text = read_text(path, "model").text
+    try:
+        top = ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        line, column = error.position
+        reported = str(error).partition(":")[0]
+        place = Place(line, column + 1)
+        raise ModelError([Fault("error", f"this is no XML: {reported}", place, id="RUN-153")]) from None
+    notes: list[Fault] = []
+    if top.tag not in ROBOTS.values():
+        message = f"the file begins with <{visible(top.tag)}>; wanted is <robot> or <mujoco>"
+        raise ModelError([Fault("error", message, id="RUN-154")])
+    try:
+        model = (urdf_model if top.tag == "robot" else mjcf_model)(top, notes)
+    except ValueError as error:
+        raise ModelError([Fault("error", f"an attribute is no number: {error}", id="RUN-155")]) from None
+    outcome.faults += notes
+    dialect = dialect_named(form)
+    model = in_units(model, UNITS[SI], UNITS[to_unit])
+    title = f"converted from {visible(PurePath(path).name)}"
+    written: str = dialect.part(dialect.rigid_deck)(model, title, UNITS[to_unit])
+    return written
 
 
 def _refuse_signals(deck: Deck) -> None:

@@ -29,6 +29,7 @@ from flexmb_cli.results.models.mjcf import mjcf
 from flexmb_cli.run.convert import converted, start_of
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from flexmb_cli.solvers.tree.points import point_motion
+from tests.dialects.dafms.test_dafms_elements import deck
 from tests.naive.random_trees import sprung
 from tests.solvers.constrained.dynamic_runs import AT_REST, GROUND, body, run, uneven_masses
 
@@ -256,17 +257,12 @@ def moved_as_in_exudyn(tmp_path, deck):
     ("deck", "form", "reported"),
     [
         ("dafms/pendulum.DAT", "mjcf", "body 1: the body is flexible; --to mjcf is for rigid trees"),
-        ("dafms/fourbar_rigid.DAT", "mjcf", "MuJoCo closes loops softly"),
+        ("dafms/fourbar_rigid.DAT", "mjcf", "body 1: MuJoCo needs a positive mass and inertia"),
         ("young/IN4-BAR.dat", "mjcf", "the deck describes kinematics only, and other dialects need masses"),
         ("young/dynamics/IN-BRICARD.dat", "mjcf", "revolute joint 6: the joint closes a loop"),
         ("young/IN4-BAR.dat", "exudyn", "rigid mechanisms under forces: decks with DYNAMICS forward"),
         ("vsdf/pendulum.vsdf", "exudyn", "body 1: the body is flexible"),
         ("vsdf/pendulum.vsdf", "mjcf", "body 1: the body is flexible"),
-        (
-            "dafms/motor_gear.DAT",
-            "exudyn",
-            "torque 1: loads over time do not convert; this is in the deck that --to young writes",
-        ),
     ],
 )
 def test_what_the_other_program_cannot_hold_is_refused_and_leaves_no_file(deck, form, reported, tmp_path):
@@ -290,9 +286,10 @@ def test_an_open_chain_of_another_dialect_moves_alike_in_mujoco(tmp_path):
     assert np.abs(positions_by_mujoco(text, times[early]) - wanted[early]).max() < 1e-6
 
 
-def test_a_fault_of_a_deck_on_the_way_has_no_line_of_the_users_deck():
-    with pytest.raises(ModelError) as refused:
-        converted(str(DECKS / "dafms/motor_gear.DAT"), "exudyn")
+def test_a_fault_of_a_deck_on_the_way_has_no_line_of_the_users_deck(tmp_path):
+    (tmp_path / "arm.DAT").write_text(deck("ELEMENTS\n  COUPLING gear 1.r3=2 2.r3=3"))
+    with pytest.raises(ModelError, match="this is in the deck that --to young writes") as refused:
+        converted(str(tmp_path / "arm.DAT"), "exudyn")
     assert [fault.place for fault in refused.value.faults] == [None] * len(refused.value.faults)
 
 
@@ -306,16 +303,6 @@ def test_an_inverse_run_is_refused_for_its_drivers_and_sent_nowhere(tmp_path):
         "--to exudyn takes rigid mechanisms under forces: decks with DYNAMICS forward; "
         "drivers move an inverse run, and they do not convert"
     )
-
-
-def test_a_load_by_a_function_of_time_does_not_convert_to_exudyn(tmp_path):
-    text = (DECKS / "young/dynamics/IN-BRICARD.dat").read_text()
-    deck = tmp_path / "driven.dat"
-    deck.write_text(
-        re.sub(r"\nEND\b", "\nELEMENTS\n  FUNCTION 1 ramp 0 0 1 1\nFORCE 1 0 0 0 0 0 1 0 1\nEND", text)
-    )
-    done = CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(tmp_path / "m.py")])
-    assert "loads over time do not convert" in " ".join(fault.sentence for fault in done.exception.faults)
 
 
 def test_an_element_at_a_joint_is_refused_where_it_stands(tmp_path):

@@ -1,4 +1,4 @@
-"""What `convert --to mjcf` refuses of the elements of DAFMS decks: every card but springs and dampers."""
+"""What `convert --to mjcf` refuses of the elements of DAFMS decks: what it holds in part."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from flexmb_cli.results.models.mjcf import mjcf
 from tests.dialects.dafms.test_dafms_elements import TWO_LINKS, build, deck
 from tests.dialects.dafms.test_every_card import CASES
 
-HELD = ("SPRI", "DAMP")  # MJCF has stiffness and damping of joints
+HELD = ("SPRI", "DAMP", "COUP", "MOTR")  # stiffness, damping, equalities and constant efforts of joints
 # Kinds of what MJCF could hold only in part: a spring with a function.
 ELEMENTS = sorted(set(CASES) - {"FUNC", *HELD})
 
@@ -26,5 +26,5 @@ def test_an_element_that_mjcf_does_not_hold_is_refused(word):
 
 
 @pytest.mark.parametrize("word", HELD)
-def test_springs_and_dampers_of_hinges_convert(word):
+def test_what_mjcf_has_of_joints_converts(word):
     assert identifiers(CASES[word]) == []

@@ -15,10 +15,25 @@ import numpy as np
 from ...errors import Fault, ModelError
 from ...model.arrays.element_table import coordinates_of_joints
 from ...model.joint_elements import JointElements
-from ...model.laws import BUSHING, CABLE, FRICTION, MOTOR, SPRING, STOP, At, Cam, Element, is_angle
+from ...model.laws import (
+    BUSHING,
+    CABLE,
+    DRIVING,
+    FRICTION,
+    MOTOR,
+    SPRING,
+    STOP,
+    At,
+    Cam,
+    Element,
+    Push,
+    is_angle,
+)
 from ...model.loads import DynamicModel
 from ...model.mechanism import GROUND
+from ...model.time_functions import SIGNAL, MotionFunction
 from ...model.vectors import rotation_matrix
+from .exudyn_functions import FUNCTIONS, function_text
 from .exudyn_joints import HELD, Position, independent_equations, joint_frames
 
 HEAD = '''"""{title}, written by flexmb for Exudyn 1.13 or later.  SI units.
@@ -26,6 +41,9 @@ HEAD = '''"""{title}, written by flexmb for Exudyn 1.13 or later.  SI units.
 Run it: results are positions of the body frames at the report times, in the file {title}-exudyn.csv.
 `flexmb diff {title}-exudyn.csv RESULT.h5 --atol 1e-6` compares them with flexmb's.
 """
+
+import math
+from bisect import bisect_right
 
 import exudyn as exu
 import numpy as np
@@ -42,6 +60,8 @@ SC = exu.SystemContainer()
 mbs = SC.AddSystem()
 ground = mbs.CreateGround({ground})
 gravity = {gravity}
+# Time of the deck at the start.
+BEGIN = {begin!r}
 '''
 TAIL = """
 END, ROWS = {end!r}, {rows!r}
@@ -86,7 +106,7 @@ while error > TOLERANCE and steps < MOST_STEPS:
     better = fine + (fine - coarse) / 3
     error = np.inf if rows is None else np.abs(better - rows).max()
     coarse, rows = fine, better
-rows[:, 0] += {begin!r}
+rows[:, 0] += BEGIN
 np.savetxt("{title}-exudyn.csv", rows, delimiter=",", fmt="%.17g", header=COLUMNS, comments="")
 print(f"{{steps}} steps, estimated error of positions {{error:.1e}} m")
 if error > TOLERANCE:
@@ -107,6 +127,22 @@ def stops(lower, upper, k, b):
     return lambda mbs, t, number, x, v, *_: pushed(x - upper, v, k, b) - pushed(lower - x, -v, k, b)
 
 
+def spring(k, rest, c, preload, curve=None, damper=None):
+    def effort(mbs, t, number, x, v, *_):
+        push = preload + k * (x - rest) + c * v
+        return push + (curve(x - rest) if curve else 0.0) + (damper(v) if damper else 0.0)
+
+    return effort
+
+
+def motor(function):
+    return lambda mbs, t, *_: -function(t + BEGIN)
+
+
+def factor(function):
+    return lambda mbs, t, load: np.array(load) * function(t + BEGIN)
+
+
 def slide(bodies, places, axis, **law):
     markers = [
         mbs.AddMarker(dict(markerType="BodyRigid", bodyNumber=body, localPosition=place))
@@ -118,14 +154,16 @@ def slide(bodies, places, axis, **law):
 
 '''
 _REFUSED = {
-    "drivers": ("drivers of joints do not convert", "RESULT-067"),
+    "drivers": (
+        "drivers of joints do not convert: Exudyn has them without its rule of velocities",
+        "RESULT-067",
+    ),
     "driven": ("drivers by functions do not convert", "RESULT-069"),
     "supports": ("supports by functions do not convert", "RESULT-070"),
     "couplings": ("couplings of joint coordinates do not convert", "RESULT-072"),
     "curves": ("points on curves do not convert", "RESULT-130"),
 }
 _REFUSED_LAWS = {
-    MOTOR: ("motors by functions of time do not convert", "RESULT-068"),
     BUSHING: (
         "bushings do not convert: Exudyn's have other angles where a body turns about several axes",
         "RESULT-071",
@@ -164,14 +202,13 @@ def exudyn_script(
             "repeat others; give the axes of loops with more digits, or begin away from a singular position"
         )
         raise ModelError([Fault("error", message, id="RESULT-085")])
-    lines = [_head(placed, name), "bodies = []"]
+    lines = [_head(placed, name) + FUNCTIONS + DEFINITIONS, "bodies = []"]
     lines += [*placed.bodies(), *placed.joints(held), *placed.loads(), *placed.elements(kept)]
     intervals = max(time.rows - 1, 1)
     return "\n".join(lines) + TAIL.format(
         title=name,
         end=time.last - time.start,
         rows=time.rows,
-        begin=time.start,
         columns=",".join(["time [s]", *placed.columns()]),
         origins=[[0.0 - float(x) for x in placed.centre[body]] for body in placed.numbers],
         steps=FIRST_STEPS * intervals,
@@ -181,8 +218,9 @@ def exudyn_script(
 
 
 def _head(placed: "_Placed", name: str) -> str:
+    begin, gravity = placed.model.mechanism.time.start, _list(placed.model.gravity)
     shapes = placed.graphics([GROUND, *sorted(placed.still - {GROUND})])
-    return HEAD.format(title=name, gravity=_list(placed.model.gravity), ground=shapes.removeprefix(", "))
+    return HEAD.format(title=name, gravity=gravity, begin=begin, ground=shapes.removeprefix(", "))
 
 
 def _foreign(model: Any) -> Iterator[Fault]:
@@ -200,9 +238,6 @@ def _foreign(model: Any) -> Iterator[Fault]:
         if k not in heavy | still:
             message = "Exudyn needs a mass for every moving body"
             yield Fault("error", message, body.place, body.name, id="RESULT-055")
-    for load in (*model.forces, *model.torques):
-        if load.factor is not None:
-            yield Fault("error", "loads over time do not convert", load.place, load.name, id="RESULT-056")
     yield from _foreign_elements(model.elements)
 
 
@@ -225,9 +260,9 @@ def _refused(item: Element) -> tuple[str, str] | None:
     """Return why a force element does not convert, and the identifier of the fault."""
     if isinstance(item.measure, Cam):
         return "followers of cams do not convert", "RESULT-086"
-    if item.law in (SPRING, CABLE, STOP):
-        if item.law is SPRING and (item["curve"] or item["damper"]):
-            return "springs and dampers with functions do not convert", "RESULT-074"
+    if any(isinstance(value, MotionFunction) and value.kind == SIGNAL for value in item.values):
+        return "signals do not convert", "RESULT-180"
+    if item.law in (SPRING, CABLE, STOP, *DRIVING):
         return None
     return _REFUSED_LAWS.get(item.law, (f"the law {item.law.word} does not convert", "RESULT-031"))
 
@@ -323,27 +358,30 @@ class _Placed:
                 yield (
                     f"mbs.CreateForce(itemNumber={self._word(force.body)}, loadVector={_list(force.force)}, "
                     f"localPosition={_list(self._local(force.body, force.point))}, "
-                    f"bodyFixed={bool(force.following)})"
+                    f"bodyFixed={bool(force.following)}{_factor(force)})"
                 )
         for torque in self.model.torques:
             if torque.body not in self.still:
                 yield (
                     f"mbs.CreateTorque(itemNumber={self._word(torque.body)}, "
-                    f"loadVector={_list(torque.torque)}, bodyFixed={bool(torque.following)})"
+                    f"loadVector={_list(torque.torque)}, bodyFixed={bool(torque.following)}{_factor(torque)})"
                 )
 
     def elements(self, kept: list[bool]) -> Iterator[str]:
         """Yield definitions and a line for every element; `kept`: whether a link repeats no equation."""
         elements = self.model.elements
-        if not (elements.forces or elements.composites):
-            return
-        yield DEFINITIONS
         for item in elements.forces:
+            if isinstance(item.measure, Push):
+                if item.measure.j not in self.still:
+                    yield self._push(item.measure, item["function"])
+                continue
             if isinstance(item.measure, At):
                 yield self._at_joint(item.measure, self._law(item.since(self._since(item.measure))))
                 continue
             law = "referenceLength={1!r}, stiffness={0!r}, damping={2!r}".format(*item.values)
             last = "springForceUserFunction=cable" if item.law is CABLE else f"force={item['preload']!r}"
+            if item.law is SPRING and (item["curve"] or item["damper"]):
+                last = f"springForceUserFunction={_spring_text(item.with_values(rest=0.0))}"
             yield f"mbs.CreateSpringDamper({self._ends(item.measure)}, {law}, {last})"
         for link, needed in zip(elements.composites, kept, strict=True):
             call = f"mbs.CreateDistanceConstraint({self._ends(link)}, distance={link.size!r})"
@@ -354,8 +392,22 @@ class _Placed:
         effort = "torque" if item.turning else "force"
         if item.law is STOP:
             return f"spring{effort.capitalize()}UserFunction=stops({', '.join(map(repr, item.values))})"
+        function = f"spring{effort.capitalize()}UserFunction"
+        if item.law is MOTOR:
+            return f"{function}=motor({function_text(item['function'])})"
+        if item["curve"] or item["damper"]:
+            return f"{function}={_spring_text(item)}"
         stiffness, rest, damping, preload, *_ = item.values
         return f"stiffness={stiffness!r}, damping={damping!r}, offset={rest!r}, {effort}={preload!r}"
+
+    def _push(self, push: Push, function: MotionFunction) -> str:
+        """A force or torque that follows a function of time."""
+        call = "CreateTorque" if push.turning else "CreateForce"
+        place = "" if push.turning else f"localPosition={_list(self._local(push.j, push.P_j))}, "
+        return (
+            f"mbs.{call}(itemNumber={self._word(push.j)}, loadVector={_list(push.direction)}, {place}"
+            f"bodyFixed={bool(push.follows)}, loadVectorUserFunction=factor({function_text(function)}))"
+        )
 
     def _since(self, item: Any) -> float:
         """Joint coordinate at the start, less Exudyn's: of angles 0, of strokes the advance of P_j."""
@@ -406,6 +458,18 @@ class _Placed:
 
     def _word(self, body: int) -> str:
         return "ground" if body in self.still else f"bodies[{self.numbers[body]}]"
+
+
+def _factor(load: Any) -> str:
+    """Return the argument for the function of time of a load, if it has one."""
+    return "" if load.factor is None else f", loadVectorUserFunction=factor({function_text(load.factor)})"
+
+
+def _spring_text(item: Element) -> str:
+    """Return the law of a spring with functions."""
+    numbers = [repr(float(item[name])) for name in ("stiffness", "rest", "damping", "preload")]
+    functions = [f"{name}={function_text(item[name])}" for name in ("curve", "damper") if item[name]]
+    return f"spring({', '.join([*numbers, *functions])})"
 
 
 def _generic(pair: str, frame: np.ndarray, axes: tuple[int, ...]) -> str:

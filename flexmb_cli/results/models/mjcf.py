@@ -13,10 +13,14 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ...errors import Fault, ModelError
-from ...model.laws import At, Element
+from ...model.exchange.functions import value_of
+from ...model.joint_elements import Coupling
+from ...model.laws import MOTOR, SPRING, At, Element, Line
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Body, Tree
 from ...model.vectors import euler_parameters, rotation_matrix
 
+# Loops are held by forces: as stiff as the step allows (MuJoCo keeps to twice its length).
+STIFF = {"solref": "2e-4 1", "solimp": "0.9999 0.9999 1e-3"}
 TIME_STEP = 1e-4  # s; RK4 keeps errors of usual mechanisms below 1e-8 with it
 
 
@@ -40,9 +44,16 @@ def mjcf(tree: Tree, name: str, note: str = "") -> str:
         # For pictures: without mass, and nothing touches it.
         about = {"type": "mesh", "mesh": f"shape {number}", "mass": "0", "contype": "0", "conaffinity": "0"}
         ElementTree.SubElement(parents[shape.body - 1], "geom", about)
+    sites = _Sites(parents)
+    _add_loops(top, tree, sites)
+    _add_tendons(top, tree, sites)
+    controls = _add_actuators(top, tree, sites)
     qpos, qvel = _start(tree)
     frame = ElementTree.SubElement(top, "keyframe")
-    ElementTree.SubElement(frame, "key", {"name": "start", "qpos": _numbers(qpos), "qvel": _numbers(qvel)})
+    start = {"name": "start", "qpos": _numbers(qpos), "qvel": _numbers(qvel)}
+    if controls:
+        start["ctrl"] = _numbers(controls)
+    ElementTree.SubElement(frame, "key", start)
     ElementTree.indent(top)
     return ElementTree.tostring(top, encoding="unicode") + "\n"
 
@@ -64,9 +75,6 @@ def _foreign_bodies(tree: Tree) -> Iterator[Fault]:
         elif not _is_real(np.linalg.eigvalsh(_central_inertia(body))):
             message = "MuJoCo refuses an inertia larger than the sum of the two others"
             yield Fault("error", message, body.place, body.name, id="RESULT-059")
-        if any((*body.force, *body.torque)):
-            message = "MJCF holds no constant external force or torque"
-            yield Fault("error", message, body.place, body.name, id="RESULT-060")
 
 
 def _foreign_loads(tree: Tree) -> Iterator[Fault]:
@@ -75,15 +83,99 @@ def _foreign_loads(tree: Tree) -> Iterator[Fault]:
             name = tree.bodies[item.body].name
             yield Fault("error", f"MJCF holds no {what}", item.place, name, id="RESULT-061")
     for closure in tree.closures:
-        message = "MuJoCo closes loops softly, which is another motion; only trees convert"
-        yield Fault("error", message, closure.place, closure.name, id="RESULT-062")
+        if closure.curve is not None or len(closure.directions) < 2:
+            message = "of closed loops, MJCF holds points that meet"
+            yield Fault("error", message, closure.place, closure.name, id="RESULT-062")
     for element in chain(*tree.elements.groups()):
-        if not isinstance(element, Element) or not element.linear or not isinstance(element.measure, At):
-            message = "of elements, MJCF holds springs in hinge coordinates without preload and functions"
+        if not _is_held(element):
+            message = "MJCF holds linear springs, constant motors and couplings of two coordinates only"
             yield Fault("error", message, element.place, element.name, id="RESULT-032")
-        elif element.turning and len(tree.hinges[element.measure.joint].rotations) == 3:
+        elif isinstance(element, Element) and _is_of_ball(element, tree):
             message = "a damper of three free rotations does not convert"
             yield Fault("error", message, element.place, element.name, id="RESULT-063")
+
+
+def _is_held(element: Any) -> bool:
+    """Return whether MJCF holds an element without change."""
+    if isinstance(element, Coupling):
+        return element.function is None and len(element.terms) == 2
+    if not isinstance(element, Element) or not isinstance(element.measure, At | Line):
+        return False
+    if element.law is MOTOR:
+        return isinstance(element.measure, At) and value_of(element["function"]) is not None
+    preloaded = bool(element["preload"]) if element.law is SPRING else False
+    linear = element.law is SPRING and not (element["curve"] or element["damper"])
+    return linear and (not preloaded or (isinstance(element.measure, At) and bool(element["stiffness"])))
+
+
+def _is_of_ball(element: Element, tree: Tree) -> bool:
+    return element.turning and len(tree.hinges[element.measure.joint].rotations) == 3
+
+
+class _Sites:
+    """Points of bodies that tendons and actuators name."""
+
+    def __init__(self, parents: dict[int, Any]):
+        self.parents, self.count = parents, 0
+
+    def at(self, body: int, point: Any) -> str:
+        """Return the name of a new site at a point of a body."""
+        self.count += 1
+        about = {"name": f"point {self.count}", "pos": _numbers(getattr(point, "r0", point)), "size": "1e-3"}
+        ElementTree.SubElement(self.parents[body], "site", about)
+        return about["name"]
+
+
+def _add_loops(top: ElementTree.Element, tree: Tree, sites: _Sites) -> None:
+    """Add closed loops, and couplings of two coordinates; MuJoCo holds them by forces."""
+    if not (tree.closures or tree.elements.couplings):
+        return
+    found = ElementTree.SubElement(top, "equality")
+    for closure in tree.closures:
+        # Two points, for an anchor would be one where both bodies meet at zero coordinates.
+        ends = {"site1": (closure.a, closure.a_point), "site2": (closure.b, closure.b_point)}
+        about = {"name": closure.name} | {key: sites.at(*end) for key, end in ends.items()}
+        ElementTree.SubElement(found, "connect", about | STIFF)
+    for item in tree.elements.couplings:
+        (first, one, a), (second, other, b) = item.terms
+        names = {
+            "joint1": f"{tree.bodies[first].name} {one}",
+            "joint2": f"{tree.bodies[second].name} {other}",
+        }
+        # Coordinates of MuJoCo count from the tree's own zero, as those of equalities do.
+        about = {"name": item.name, "polycoef": _numbers([0.0, -b / a, 0.0, 0.0, 0.0])}
+        ElementTree.SubElement(found, "joint", about | names | STIFF)
+
+
+def _add_tendons(top: ElementTree.Element, tree: Tree, sites: _Sites) -> None:
+    """Add springs between two points."""
+    lines = [item for item in tree.elements.forces if isinstance(item.measure, Line)]
+    found = ElementTree.SubElement(top, "tendon") if lines else top
+    for item in lines:
+        i, j, P_i, P_j = item.measure
+        stiffness, rest, damping = map(float, item.values[:3])
+        about = {"stiffness": repr(stiffness), "damping": repr(damping), "springlength": repr(rest)}
+        tendon = ElementTree.SubElement(found, "spatial", {"name": item.name} | about)
+        for end in ((i, P_i), (j, P_j)):
+            ElementTree.SubElement(tendon, "site", {"site": sites.at(*end)})
+
+
+def _add_actuators(top: ElementTree.Element, tree: Tree, sites: _Sites) -> list[float]:
+    """Add constant motors, forces and torques; return the controls with which they act."""
+    loads = [(k, [*body.force, *body.torque]) for k, body in enumerate(tree.bodies)]
+    loads = [(k, load) for k, load in loads if any(load)]
+    motors = [item for item in tree.elements.forces if item.law is MOTOR]
+    if not loads and not motors:
+        return []
+    found = ElementTree.SubElement(top, "actuator")
+    for item in motors:
+        joint = f"{tree.bodies[item.measure.joint].name} {item.measure.coordinate}"
+        ElementTree.SubElement(found, "motor", {"name": item.name, "joint": joint})
+    world = sites.at(INERTIAL, (0.0, 0.0, 0.0)) if loads else ""
+    for k, load in loads:
+        about = {"site": sites.at(k, (0.0, 0.0, 0.0)), "refsite": world, "gear": _numbers(load)}
+        ElementTree.SubElement(found, "general", {"name": f"load of {tree.bodies[k].name}"} | about)
+    return [*(float(value_of(item["function"]) or 0.0) for item in motors), *[1.0] * len(loads)]
 
 
 def _is_real(moments: np.ndarray) -> bool:
@@ -126,7 +218,11 @@ def _add_joint(
     about = {"name": f"{tree.bodies[k].name} {motion} {axis}", "type": kind, "axis": _numbers(direction)}
     for spring in tree.elements.forces:
         if spring.measure == (k, f"{motion} {axis}"):
+            if spring.law is not SPRING:
+                continue
             stiffness, rest, damping = map(float, spring.values[:3])
+            if stiffness:
+                rest -= spring["preload"] / stiffness
             about |= {"stiffness": repr(stiffness), "damping": repr(damping), "springref": repr(rest)}
     ElementTree.SubElement(element, "joint", about)
 
