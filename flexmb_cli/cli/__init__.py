@@ -129,7 +129,7 @@ class Group(click.Group):
         return list(self.commands)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> Any:
-        """Read the options before the command; those of commands belong behind it."""
+        """Read the options before the command; those of commands belong after it."""
         try:
             return super().parse_args(ctx, args)
         except click.NoSuchOption as fault:
@@ -137,7 +137,7 @@ class Group(click.Group):
             options = {option for each in self.commands[name].params for option in each.opts} if name else ()
             if fault.option_name in options:
                 message = (
-                    f"{fault.option_name} belongs behind the command: flexmb {name} {fault.option_name} ..."
+                    f"{fault.option_name} belongs after the command: flexmb {name} {fault.option_name} ..."
                 )
                 raise WrongCall(message, ctx, id="CLI-014") from None
             raise

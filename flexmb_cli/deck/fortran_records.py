@@ -200,12 +200,12 @@ class _Card:
                 self._report("warning", message, Place(self.records.line, left.column), id="DECK-049")
 
     def check_rest(self) -> None:
-        """Warn of numbers behind the last column read; words there are the old decks' comments."""
+        """Warn of numbers after the last column read; words there are the old decks' comments."""
         last = self.fields[-1].edit.last
         rest = self.line[last:].rstrip()
         if rest and not rest.strip(" 0123456789.+-EeDd"):
             column = last + 1 + len(rest) - len(rest.lstrip())
-            message = f"'{rest.strip()}' stands behind column {last} and is not read"
+            message = f"'{rest.strip()}' stands after column {last} and is not read"
             place = Place(self.records.line, column, len(rest.strip()))
             self._report("warning", message, place, id="DECK-050")
 

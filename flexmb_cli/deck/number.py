@@ -13,7 +13,7 @@ _REAL = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eEdD]([+-]?[0-9]+))?
 _BARE_EXPONENT = re.compile(r"([+-]?(?:[0-9]+\.[0-9]*|\.[0-9]+))([+-][0-9]+)")
 _PLAIN_INTEGER = re.compile(r"[+-]?[0-9]+")
 
-# A number and the unit that stands behind it; the first three have a factor to the unit of decks.
+# A number and the unit that stands after it; the first three have a factor to the unit of decks.
 _UNIT = "(?:°|deg|rpm|RPM|[mc]?m|in|rad|[mk]?g|s|kN|N)"
 # A unit may be composed, as in N/m, N*s/m or kg*m^2; without a bound "mmm…" would be tried in every split.
 _WITH_UNIT = re.compile(
@@ -109,20 +109,20 @@ def shown(word: str) -> str:
 
 
 def hint(word: str) -> str:
-    """Return what is wrong with the spelling of a number, and the remedy, behind a colon; "" if unknown."""
+    """Return what is wrong with the spelling of a number, and the remedy, after a colon; "" if unknown."""
     if remedy := unit_hint(word):
         return f": {remedy}"
     return next((f": {hint}" for pattern, hint in _HINTS if pattern.search(word)), "")
 
 
 def unit_hint(word: str) -> str:
-    """Return how to write a word that is a number with a unit behind it; "" where it is not."""
+    """Return how to write a word that is a number with a unit after it; "" where it is not."""
     match = _WITH_UNIT.fullmatch(word)
     return _without_unit(*match.groups()) if match else ""
 
 
 def _without_unit(number: str, unit: str) -> str:
-    """Return how to write a number that has a unit behind it: a deck has none."""
+    """Return how to write a number that has a unit after it: a deck has none."""
     factor, rule, name = _FACTORS.get(unit.lower(), (None, "", ""))
     if factor is None:
         return "write the number without its unit"

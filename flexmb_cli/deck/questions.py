@@ -139,7 +139,7 @@ class Question:
 
     @property
     def prompt(self) -> str:
-        """Return what Enter gives, and the mark behind which the answer is typed."""
+        """Return what Enter gives, and the mark after which the answer is typed."""
         offered = [value for value in self.offered if value is not None]
         return f"[{' '.join(offered).strip() or 'none'}] > " if len(offered) == len(self.offered) else "> "
 

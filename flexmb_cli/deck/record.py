@@ -57,7 +57,7 @@ class Lines(Sequence[str]):
         return self.after(0)
 
     def after(self, count: int) -> Iterator[str]:
-        """Return the lines behind the first `count`."""
+        """Return the lines after the first `count`."""
         ends = chain(range(count + _AT_ONCE, len(self), _AT_ONCE), (len(self),))
         pieces = zip(range(count, len(self), _AT_ONCE), ends, strict=False)
         return (line for first, end in pieces for line in self._cut(first, end))
@@ -68,7 +68,7 @@ class Lines(Sequence[str]):
         return piece.replace("\r\n", "\n").replace("\r", "\n")
 
     def start_of(self, index: int) -> int:
-        """Return where a line begins, the end of the text behind the last."""
+        """Return where a line begins, the end of the text after the last."""
         return self.starts[index] if index < len(self) else len(self.text)
 
     def place_of(self, offset: int) -> tuple[int, int]:

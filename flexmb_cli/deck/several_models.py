@@ -19,7 +19,7 @@ _NAMED = re.compile(r"([1-9][0-9]{0,5}):(.+)", re.DOTALL)
 
 
 def model_starts(lines: Iterable[str]) -> list[int]:
-    """Return where the DFMB cards of the models stand: the first, and those behind END and before STOP."""
+    """Return where the DFMB cards of the models stand: the first, and those after END and before STOP."""
     starts, ended = [], True
     for k, line in enumerate(lines):
         word = line[:4].ljust(4)

@@ -36,13 +36,13 @@ class Word(NamedTuple):
 
 
 def words(lines: Sequence[str], skipped: int = 0) -> Iterator[Word]:
-    """The words behind the first `skipped` lines, as they are requested; the last may be `UNCLOSED`."""
+    """The words after the first `skipped` lines, as they are requested; the last may be `UNCLOSED`."""
     lines = as_lines(lines)
     return words_from(lines, lines.start_of(skipped))
 
 
 def words_from(lines: Lines, offset: int) -> Iterator[Word]:
-    """The words behind so many characters, as they are requested; the last may be `UNCLOSED`."""
+    """The words after so many characters, as they are requested; the last may be `UNCLOSED`."""
     return (_word(lines, start) for start in _offsets(lines.text, offset))
 
 

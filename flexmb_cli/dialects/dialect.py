@@ -27,7 +27,7 @@ class Dialect(NamedTuple):
     writer: str = ""
     # Functions of (name, text) of a file: the Listing, or None where it is none.
     listing_readers: tuple[str, ...] = ()
-    # The same for files known by a column of numbers alone; they are tried behind those of all dialects.
+    # The same for files known by a column of numbers alone; they are tried after those of all dialects.
     series_readers: tuple[str, ...] = ()
     listing_signs: str = ""  # "no …": what is missing in a file that none of them recognises
     listing_begins: tuple[str, ...] = ()  # of its tables, in small letters without blanks

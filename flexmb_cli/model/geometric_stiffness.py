@@ -3,7 +3,7 @@
 A deflected beam is shorter by half the integral of w'², so that a pull N along it adds the strain
 energy of the integral of N w'²/2 (Kane, Ryan and Banerjee, 1987: what linear strains leave out of
 rotating beams).  The deflection between the nodes is the cubic spline of least bending energy that is
-clamped at the root, the one behind the condensed stiffness of a uniform beam.
+clamped at the root, the one that gives the condensed stiffness of a uniform beam.
 """
 
 import numpy as np

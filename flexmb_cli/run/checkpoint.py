@@ -1,7 +1,7 @@
 """File `<stem>.resume` of a stopped run: the rows so far and the state after them.
 
 The file is a resume file: one line that says of which run it is, then one entry for each block of rows, each
-with its length and checksum.  A checkpoint stands behind the rows of an entry; one that is larger than the
+with its length and checksum.  A checkpoint stands after the rows of an entry; one that is larger than the
 rows since the last is left out for a while.  A kill tears at most the last entry, which then does not count.
 Result files are written anew from the entries up to the last checkpoint.
 """
@@ -115,9 +115,9 @@ class ResumeFile:
         self._file: Any = None  # one stream from `find` on: the path may lead elsewhere by then
         self._begun = False
         self._first = self._end = 0
-        self._unsaved = 0  # bytes of rows behind the last checkpoint in the file,
+        self._unsaved = 0  # bytes of rows after the last checkpoint in the file,
         self._saved_at = monotonic()  # and when that was
-        self._pending: dict[str, np.ndarray] = {}  # the checkpoint behind them
+        self._pending: dict[str, np.ndarray] = {}  # the checkpoint after them
 
     def find(self, most: int = LARGEST_ENTRY) -> None:
         """Look for the resume file of a stopped run, and remove the files that it left unfinished.
@@ -191,7 +191,7 @@ class ResumeFile:
         due = size <= self._unsaved or monotonic() - self._saved_at > LONGEST_UNSAVED
         with located(self.path):
             self._write({**values, **named} if due else values)
-        # Where that failed, `close` keeps the state behind the rows before.
+        # Where that failed, `close` keeps the state after the rows before.
         self._pending = {} if due else {name: np.array(array) for name, array in named.items()}
         if due:
             self._unsaved, self._saved_at = 0, monotonic()
@@ -301,7 +301,7 @@ class ResumeFile:
             raise
 
     def _take_back(self, start: int) -> None:
-        """Cut off what a failure left from byte `start` on: a state behind it would be one of other rows."""
+        """Cut off what a failure left from byte `start` on: a state after it would be one of other rows."""
         assert self._file is not None, "`begin` has opened the file"
         try:
             self._file.truncate(start)
@@ -334,7 +334,7 @@ def _is_blank(head: bytes) -> bool:
 def _entries(file: BinaryIO, most: int) -> Iterator[bytes]:
     """Whole entries up to the end or the first torn one.  Raises LargePayload."""
     for entry in whole_payloads(file, _HEAD, most):
-        # Zeros, as behind a loss of power, are an entry of no length and its checksum.
+        # Zeros, as after a loss of power, are an entry of no length and its checksum.
         if not is_whole(entry):
             return
         yield entry

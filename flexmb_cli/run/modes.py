@@ -71,7 +71,7 @@ def _free(model: Any) -> str:
     analysis = analysis_of(model)
     if analysis == "kinematic" or (analysis == "dynamic" and model.analysis != "forward"):
         message = (
-            "modes need masses and a free motion: cards behind the last number, from DYNAMICS forward on, "
+            "modes need masses and a free motion: cards after the last number, from DYNAMICS forward on, "
             "give them"
         )
         raise ModelError([Fault("error", message, id="RUN-018")])

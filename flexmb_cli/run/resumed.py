@@ -1,7 +1,7 @@
 """Rows and state that a run takes over from the resume file of a stopped one, once it fits the run.
 
 A checksum says that the file is as it was written, not that this run wrote it: blocks of values and the
-state behind them must have the names, shapes and types that this run gives them, times must ascend and
+state after them must have the names, shapes and types that this run gives them, times must ascend and
 positions be finite.  The analysis checks what its kernels use as places and counts.  Other numbers are
 taken as they are.
 """
@@ -88,7 +88,7 @@ def _rows_of(values: Mapping[str, np.ndarray], shapes: Mapping[str, tuple[int, .
 
 
 def _last_time(values: Any, last: float) -> float:
-    """Return the last time of a block whose times ascend from behind `last`.  Raises OtherRun."""
+    """Return the last time of a block whose times ascend from after `last`.  Raises OtherRun."""
     times = np.concatenate([[last], values["time"]])
     if not np.all(times[1:] > times[:-1]) or not np.isfinite(times[1:]).all():
         raise OtherRun("time")

@@ -75,8 +75,8 @@ def _young(size) -> Iterator[tuple[str, Callable[[], str]]]:
     yield "young blank lines", lambda: _filled("\n", size) + _YOUNG
     yield "young long comment", lambda: "{" + _filled("a ", size) + "}\n" + _YOUNG
     yield "young comment lines", lambda: _filled("{ a comment }\n", size) + _YOUNG
-    yield "young words behind", lambda: _YOUNG + _filled("some words ", size)
-    yield "young lines behind", lambda: _YOUNG + _filled("a\n", size)
+    yield "young words after", lambda: _YOUNG + _filled("some words ", size)
+    yield "young lines after", lambda: _YOUNG + _filled("a\n", size)
     yield "young other letters", lambda: "{ 𝛼 }\n" + _filled("\n", size) + _YOUNG
 
 

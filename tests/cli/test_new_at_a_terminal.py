@@ -30,7 +30,7 @@ class Terminal:
                 os._exit(127)
 
     def expect(self, words, seconds=60):
-        """Read on until `words` appear behind what was expected before."""
+        """Read on until `words` appear after what was expected before."""
         end = time.monotonic() + seconds
         while words not in self.text:
             ready, _, _ = select.select([self.descriptor], [], [], max(0.0, end - time.monotonic()))

@@ -35,7 +35,7 @@ done
 
 @pytest.fixture
 def shell(tmp_path):
-    """A folder with a deck and a result, and the words that bash offers there behind TAB, for each line."""
+    """A folder with a deck and a result, and the words that bash offers there after TAB, for each line."""
     bash = shutil.which("bash")
     if bash is None:
         pytest.skip("bash is not installed")

@@ -36,7 +36,7 @@ def flexmb(monkeypatch, capsys, tmp_path):
 
 def test_the_commands_with_json_are_those_of_the_readme():
     assert set(WITH_JSON) == {
-        *("run", "check", "verify", "modes", "diff", "sweep"),
+        *("run", "check", "verify", "modes", "statics", "diff", "sweep"),
         *("convert", "export", "table", "plot", "report"),
     }
 
@@ -170,7 +170,7 @@ def test_a_slip_of_the_hand_is_answered_with_what_is_meant(flexmb, tmp_path):
     deck.write_text(Path(FOUR_BAR).read_text())
     assert flexmb("run", "IN4-BAR.dat", "-q")[0] == 0
     meant = {
-        ("--json", "run", "IN4-BAR.dat"): "--json belongs behind the command: flexmb run --json ...",
+        ("--json", "run", "IN4-BAR.dat"): "--json belongs after the command: flexmb run --json ...",
         ("IN4-BAR.dat",): "IN4-BAR.dat is a file, not a command: flexmb run IN4-BAR.dat",
         ("run", "IN4-BAR"): "IN4-BAR: error: no such file; is IN4-BAR.dat meant?",
         ("run", "IN4-BAR.dta"): "IN4-BAR.dta: error: no such file; is IN4-BAR.dat meant?",

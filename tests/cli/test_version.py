@@ -59,7 +59,7 @@ def test_outside_a_checkout_there_is_none(tmp_path, content):
 
 
 def test_an_installation_names_the_commit_it_was_built_from(checkout, tmp_path, monkeypatch):
-    """`pip install .` leaves no git folder behind: setup.py keeps the commit in a file."""
+    """`pip install .` leaves no git folder after: setup.py keeps the commit in a file."""
     monkeypatch.setattr("setuptools.setup", lambda **_: None)
     shutil.copy(TOP / "setup.py", checkout)
     place = Path("flexmb_cli/cli/terminal")

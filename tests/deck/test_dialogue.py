@@ -18,7 +18,7 @@ KINEMATIC = sorted(DECKS.glob("*.dat"))
 
 
 def answers_of(path):
-    """Title and the deck's own lines; comments and the prose behind dT do not answer anything."""
+    """Title and the deck's own lines; comments and the prose after dT do not answer anything."""
     text = re.sub(r"\{[^}]*\}", "", path.read_text(encoding="utf-8"))
     return ["", *(line for line in text.splitlines() if line.strip())]
 
@@ -48,7 +48,7 @@ def test_a_supplied_deck_typed_in_reads_back_to_the_same_numbers(path):
     dialogue = Dialogue(YoungForm())
     for line in answers_of(path):
         if dialogue.question.entry.section == "shapes":
-            break  # prose behind dT
+            break  # prose after dT
         assert errors(dialogue.answer(line)) == [], line
     assert errors(dialogue.answer("")) == [] and dialogue.question is None
     deck = deck_of(dialogue)
@@ -164,7 +164,7 @@ def test_a_vector_without_direction_sends_the_dialogue_back_to_it():
     assert "Q_i and P_i are the same point" in errors(dialogue.answer("2 2 2"))[0]
     assert [cell.key for cell in dialogue.question.cells] == ["Q_i.x", "Q_i.y", "Q_i.z"]
     assert dialogue.answer("1 0 0") == []
-    assert dialogue.question.offered == ("2", "2", "2")  # the answer behind it is kept
+    assert dialogue.question.offered == ("2", "2", "2")  # the answer after it is kept
     assert dialogue.answer("") == []
     assert dialogue.question.entry.prefix == "simplified.1"
 

@@ -88,7 +88,7 @@ def test_the_four_bar_lines_as_they_stand_in_print_are_all_named():
     ],
 )
 def test_a_lost_line_is_named_with_the_records_that_it_may_have_held(lost, reported):
-    """Records of one size follow each other: the first line that does not fit stands behind them."""
+    """Records of one size follow each other: the first line that does not fit stands after them."""
     (deck,) = (path for path in DECKS if path.stem == "IN5BODY")
     lines = deck.read_text(encoding="utf-8").splitlines()
     found = faults("\n".join(lines[: lost - 1] + lines[lost:]))

@@ -34,7 +34,7 @@ def transcripts(page):
     for block in re.findall(r"```console\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL):
         for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
             lines = part.rstrip("\n").split("\n")
-            # A long command goes on behind a stroke at the end of its line.
+            # A long command goes on after a stroke at the end of its line.
             end = 1 + next(n for n, line in enumerate(lines) if not line.endswith("\\"))
             yield "\n".join(lines[:end]), lines[end:]
 

@@ -77,7 +77,7 @@ def shared(tmp_path):
 
 
 def in_shell(script, folder):
-    """Return exit code and output of a job; what it leaves behind is ended, as Slurm does."""
+    """Return exit code and output of a job; what it leaves after is ended, as Slurm does."""
     said = folder / "job.log"
     with open(said, "wb") as log:
         job = subprocess.Popen(

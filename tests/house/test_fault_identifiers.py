@@ -71,7 +71,7 @@ def test_the_page_of_messages_is_that_of_the_program():
 
 
 def test_every_row_of_the_page_shows_words():
-    """CSV tables and cases of a study report what happened there, behind a few letters of their own."""
+    """CSV tables and cases of a study report what happened there, after a few letters of their own."""
     rows = re.findall(r"^\| ([A-Z]+-\d+) \| (.*) \|$", fault_messages.page(), re.MULTILINE)
     silent = [name for name, text in rows if name in _given() and sum(map(str.isalpha, text)) < 4]
     assert len(rows) > 800 and not silent
@@ -110,7 +110,7 @@ def test_a_message_is_read_from_the_assignment_before_its_fault():
 
 
 def test_a_message_is_followed_through_the_function_that_hands_it_on():
-    """`line_fault` puts the place in front, `_report` of a card its FORMAT behind."""
+    """`line_fault` puts the place in front, `_report` of a card its FORMAT after."""
     page = fault_messages.page()
     assert "| FE-111 | …, line …: the matrix must be square; it has … rows, … columns |" in page
     assert "is not read; FORMAT(…) |" in page

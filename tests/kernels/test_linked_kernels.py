@@ -50,7 +50,7 @@ print(both(2.0))
 
 @pytest.mark.processes
 def test_a_function_that_one_part_names_and_another_calls_is_linked(tmp_path):
-    """Offered to LLVM behind the part that only names it, it was left out, and the process ended."""
+    """Offered to LLVM after the part that only names it, it was left out, and the process ended."""
     done = ran(tmp_path, UNCALLED)
     assert (done.stdout.strip(), done.returncode) == ("7.0", 0)
 

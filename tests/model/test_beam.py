@@ -1,4 +1,4 @@
-"""The beam behind `flexmb beam`: Euler–Bernoulli theory, and the blocks of the supplied decks."""
+"""The beam after `flexmb beam`: Euler–Bernoulli theory, and the blocks of the supplied decks."""
 
 import math
 from pathlib import Path

@@ -270,7 +270,7 @@ def test_a_run_notes_a_stop_that_is_pressed_at_the_start_by_its_card(tmp_path):
     (tmp_path / "x.DAT").write_text(text)
     found = run_deck(str(tmp_path / "x.DAT"), RunOptions(folder=str(tmp_path)))
     (note,) = [fault for fault in found.faults if fault.severity == "note"]
-    assert note.message.startswith("it begins 0.1 rad behind its limit and pushes with 10 N m; correct")
+    assert note.message.startswith("it begins 0.1 rad beyond its limit and pushes with 10 N m; correct")
     lines = text.splitlines()
     assert (note.subject, note.place.line) == ("hsto-1", lines.index("ELEMENTS") + 2)
 

@@ -235,7 +235,7 @@ def test_a_damaged_length_of_a_case_takes_no_memory(tmp_path):
 
 
 def test_records_that_are_no_cases_count_as_torn(tmp_path):
-    """Their checksums are right: zeros behind a loss of power, a message beyond the end, half a number."""
+    """Their checksums are right: zeros after a loss of power, a message beyond the end, half a number."""
     sweep = Sweep.of(str(written(tmp_path, OWN_MODELS, count=400)), str(tmp_path / "parts"))
     solve_block(sweep.job, 0)
     part = next((tmp_path / "parts").glob("*.part"))

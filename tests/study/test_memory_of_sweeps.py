@@ -1,4 +1,4 @@
-"""What cases leave behind is given back: a sweep in one process does not grow with its cases."""
+"""What cases leave after is given back: a sweep in one process does not grow with its cases."""
 
 import gc
 

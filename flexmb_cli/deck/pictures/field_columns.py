@@ -169,7 +169,7 @@ def _pieces(run: Run, values: np.ndarray, unknown: np.ndarray) -> list[np.ndarra
 
 
 def _divided(field: "Edit", values: np.ndarray) -> tuple[Figures, np.ndarray, list[np.ndarray]]:
-    """Return figures, whole parts, and the characters behind these, piece by piece."""
+    """Return figures, whole parts, and the characters after these, piece by piece."""
     decimals = field.decimals
     if field.kind in "df":
         figures = fixed_point(np.trunc(values) if field.kind == "d" else values, decimals)
@@ -209,7 +209,7 @@ def _decimals(count: int, point: bool) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def _whole_parts(digits: int, room: int, separated: bool) -> np.ndarray:
-    """Texts of the numbers below 10**digits, and of the same with a minus sign behind them.
+    """Texts of the numbers below 10**digits, and of the same with a minus sign after them.
 
     They fill `room`; longer ones have a blank before them if `separated`, shorter ones as many NULs.
     """

@@ -40,7 +40,7 @@ SERIES = ListingForm("DAFMS time series", "the note of a stop")
 
 @dataclass(frozen=True)
 class _Tag:
-    """A line of the echo: what stands behind its tag; `columns` empty: a list of `edits[0]`."""
+    """A line of the echo: what stands after its tag; `columns` empty: a list of `edits[0]`."""
 
     name: str
     kind: str

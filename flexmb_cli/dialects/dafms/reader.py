@@ -170,7 +170,7 @@ def _check_nodes(records: Records, nodes: tuple[Number, ...], dofs: tuple[Number
 
 
 def _stop_at_errors(records: Records) -> None:
-    """Raise `Unreadable` after an error: behind a wrong count nothing can be read."""
+    """Raise `Unreadable` after an error: after a wrong count nothing can be read."""
     if records.errors:
         raise Unreadable
 

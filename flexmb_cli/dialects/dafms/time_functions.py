@@ -69,7 +69,7 @@ def _motor(record: Record, where: tuple[int, str, int], function: MotionFunction
 
 
 def _behind_the_hinge(record: Record) -> list[Any]:
-    """Return the values behind K and A, by their places.
+    """Return the values after K and A, by their places.
 
     Not by their keys: the table of keys that a record then makes takes 460 bytes, for up to 100,000 records.
     """

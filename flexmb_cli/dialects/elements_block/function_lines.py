@@ -58,7 +58,7 @@ def _refuse_number_of_table(line: ElementLine, tables: Mapping[int, Any], findin
 
 
 def _values(line: ElementLine, folder: Path, findings: Findings, tables: Any) -> Any:
-    """Values that define a function, and where each part of it stands; None behind a fault."""
+    """Values that define a function, and where each part of it stands; None after a fault."""
     own = [one for one in line.numbers if one.key not in _OTHER_KEYS]
     ways = [key for key in ("file", "points") if key in line]
     if len(ways) + bool(own) != 1:

@@ -21,7 +21,7 @@ CONSTRAINING = ("DRIVE", "SUPPORT", "COUPLING", "CURVE", "JOINT")
 class ElementLine(Record):
     """A line `WORD name key=value ...`: its numbers under their keys, its name in `subject` and in `--set`.
 
-    `kind`: what FUNCTION and JOINT say behind the name; keys that are not given and have no default are not
+    `kind`: what FUNCTION and JOINT say after the name; keys that are not given and have no default are not
     there.
     """
 

@@ -146,7 +146,7 @@ class BlockReader:
         return True
 
     def _name(self, word: BlockWord, first: Word, rest: list[Word]) -> tuple[str, list[Word]]:
-        """The name of an element and the pieces behind it; "" behind a fault."""
+        """The name of an element and the pieces after it; "" after a fault."""
         if word.kinds and len(rest) > 1 and rest[0].text.lower() in word.kinds and "=" not in rest[1].text:
             rest = [rest[1], rest[0], *rest[2:]]  # JOINT revcyl name, as well as JOINT name revcyl
         if not rest or "=" in rest[0].text:
@@ -241,7 +241,7 @@ class _Line:
         self.reader._error(piece, self.name, message, piece.column + offset, width, id=id)
 
     def read(self, pieces: list[Word]) -> None:
-        """Take the pieces behind name and type."""
+        """Take the pieces after name and type."""
         for piece in pieces:
             key, equals, text = piece.text.partition("=")
             if not equals:

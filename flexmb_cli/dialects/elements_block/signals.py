@@ -40,7 +40,7 @@ _OTHER_KEYS = ("number",)  # that lines of all types may have
 def built_signals(
     lines: Sequence[ElementLine], measures: Measures, functions: Functions, forces: Sequence[Element]
 ) -> tuple[Signal, ...]:
-    """Return the signals of lines, none behind a fault; those that lines name within others follow them."""
+    """Return the signals of lines, none after a fault; those that lines name within others follow them."""
     own = [line for line in lines if line.word == "SIGNAL"]
     before = _errors(measures)
     builder = _Builder(own, measures, functions, forces)
@@ -66,7 +66,7 @@ def _errors(measures: Measures) -> int:
 
 
 class _Builder:
-    """Makes signals of lines; those that lines name within others are collected behind them."""
+    """Makes signals of lines; those that lines name within others are collected after them."""
 
     def __init__(
         self, lines: list[ElementLine], measures: Measures, functions: Functions, forces: Sequence[Element]
@@ -314,7 +314,7 @@ class _Builder:
     def _sampled_pid(
         self, line: ElementLine, kp: float, ki: float, kd: float, lag: float, start: float
     ) -> Any:
-        """The same from sample to sample: the integral by the rectangle behind each, the rate by differences.
+        """The same from sample to sample: the integral by the rectangle after each, the rate by differences.
 
         The lag of the rate is that of backward differences.
         """

@@ -70,7 +70,7 @@ def statements(code: Iterator[str], first: int) -> Iterator[tuple[list[Word], in
     """The pieces of each element of the block whose lines without comments `code` gives from line `first` on.
 
     Lines that are indented further than that on which an element begins continue it.  With each goes the
-    number of the line behind it; the last, without pieces, has that of the line which ends the block.
+    number of the line after it; the last, without pieces, has that of the line which ends the block.
     """
     words: list[Word] = []
     indent, n = 0, first - 1
@@ -119,7 +119,7 @@ def stray_lines(lines: Iterable[tuple[int, str]]) -> Iterator[Fault]:
 
 
 def element_follows(lines: Lines, code: Callable[[Lines, int], Iterator[str]], opening: int) -> bool:
-    """Return whether the line behind another one that is not blank has the form of an element's."""
+    """Return whether the line after another one that is not blank has the form of an element's."""
     line = next((line for line in code(lines, opening) if line.strip()), "")
     return line[:1].isspace() and is_element_line(line)
 
@@ -127,13 +127,13 @@ def element_follows(lines: Lines, code: Callable[[Lines, int], Iterator[str]], o
 def refuse_after(
     lines: Lines, code: Callable[[Lines, int], Iterator[str]], last: int, word: str
 ) -> Iterator[Fault]:
-    """Refuse blocks and lines of elements behind line `last`, behind whose `word` nothing is read."""
+    """Refuse blocks and lines of elements after line `last`, after whose `word` nothing is read."""
     if not mentions_block(lines.text, lines.start_of(last)):
         return
     inside = False
     for n, line in enumerate(code(lines, last), last + 1):
         if begins_block(line) and element_follows(lines, code, n):
-            message = f"{BLOCK} stands behind {word}, where nothing is read; put the block before {word}"
+            message = f"{BLOCK} stands after {word}, where nothing is read; put the block before {word}"
             yield Fault("error", message, Place(n, 1, len(BLOCK)), id="ELEMENTS-036")
             inside = True
         elif line.strip() and not (inside and line[0].isspace()):

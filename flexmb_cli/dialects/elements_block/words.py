@@ -12,7 +12,7 @@ from ...deck.units import UNITS as SYSTEMS
 from ...model.laws import FUNCTIONS, LAWS, PAIRS, REQUIRED, VECTOR, At, Joint, Law, Parameter, Push, Touch
 from .line import MASS, OUTPUT, UNITS
 
-# What the text behind `key=` is; numbers and vectors as in `model.laws`.
+# What the text after `key=` is; numbers and vectors as in `model.laws`.
 NUMBER, WHOLE, FUNCTION, COORDINATE, END, FILE = (
     "number",
     "whole number",
@@ -39,7 +39,7 @@ SIGNAL_KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "state": (("of", "a", "b", "c"), ("d", "lower", "upper", "start", *_SAMPLED)),
     "sample": (("of", "period"), ("delay", "start")),
 }
-# Keys of the numbers behind the name of a function that may stand by their places, too.
+# Keys of the numbers after the name of a function that may stand by their places, too.
 POSITIONS = {"sine": ("mean", "amplitude", "omega", "phase")}
 POSITIONS |= dict.fromkeys(("ramp", "step"), ("start", "from", "end", "to"))
 # Keys of a contact's shapes: those of the first body, those of the second.

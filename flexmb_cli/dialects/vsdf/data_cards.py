@@ -65,7 +65,7 @@ def _numbers(card: Card, found: re.Match[str], commas: int, end: Place) -> Itera
 
 
 def _further(more: Column, found: re.Match[str], head: int, at: int) -> tuple[Number, ...]:
-    """Return the numbers of a list, behind the `head` ones; more than one get numbers behind their key."""
+    """Return the numbers of a list, after the `head` ones; more than one get numbers after their key."""
     texts = list(_WORD.finditer(found.string, found.end(head)))
     keys = [f"{more.key}{k}" for k in range(1, len(texts) + 1)] if len(texts) > 1 else [more.key]
     read = int if more.letter == "I" else float
@@ -171,14 +171,14 @@ class CardReader:
         return Number(column.key, value, column.meaning, column.unit, place, field.text)
 
     def _check_rest(self, card: Card, line: str, columns: tuple[Column, ...]) -> None:
-        """Words behind the last field are a comment; numbers there were meant to be read."""
+        """Words after the last field are a comment; numbers there were meant to be read."""
         extra = fields.rest(line, columns)
         text = extra.text
         if not text:
             return
         place = Place(self.at, extra.column, len(text))
         if NUMBERS.match(text):
-            message = f"'{text}' stands behind the last field and is not read"
+            message = f"'{text}' stands after the last field and is not read"
             self.error(card.word, message, place, fields.guide(line, columns), id="VSDF-168")
         elif fields.runs_over(line, columns, extra):
             message = (

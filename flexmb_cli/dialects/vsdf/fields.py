@@ -61,7 +61,7 @@ def fields(line: str, columns: tuple[Column, ...], more: Column | None = None) -
 
 
 def rest(line: str, columns: tuple[Column, ...]) -> Field:
-    """Return what stands behind the last field of a card."""
+    """Return what stands after the last field of a card."""
     if is_free(line, columns):
         if line.count(",") < len(columns):
             return Field("", len(line) + 1)
@@ -72,7 +72,7 @@ def rest(line: str, columns: tuple[Column, ...]) -> Field:
 
 
 def runs_over(line: str, columns: tuple[Column, ...], extra: Field) -> bool:
-    """Return whether what stands behind the last field of a card in fixed form continues without a blank."""
+    """Return whether what stands after the last field of a card in fixed form continues without a blank."""
     return not is_free(line, columns) and extra.column > 1 and not line[extra.column - 2].isspace()
 
 
@@ -172,7 +172,7 @@ def _cut_by_commas(line: str, columns: tuple[Column, ...]) -> list[Field]:
 
 
 def with_own_keys(numbers: list[Number]) -> tuple[Number, ...]:
-    """Fields that repeat get a number behind their key, so that every number has its own name."""
+    """Fields that repeat get a number after their key, so that every number has its own name."""
     keys = [number.key for number in numbers]
     if len(set(keys)) == len(keys):
         return tuple(numbers)

@@ -83,7 +83,7 @@ class _Scan:
             self.words.append((number, " ".join(_NUMBER.sub("#", line).split())))
         words = [match[0] for match in _NUMBER.finditer(line)]
         if words:
-            # Cards stand between the two rules, what became of the bodies behind them.
+            # Cards stand between the two rules, what became of the bodies after them.
             kind = "modal" if self._rules > 1 else "echo"
             values, units = tuple(map(value_of, words)), tuple(map(unit_of, words))
             self.head.append(EchoLine(number, " ".join(line.split()), values, units, kind=kind))

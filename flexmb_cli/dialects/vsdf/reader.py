@@ -113,19 +113,19 @@ class _Reader(CardReader):
                 self._read_record(card, line)
             elif not self.unknown:
                 behind = (
-                    "behind END, where nothing is read" if ended else "behind a block, which ends before it"
+                    "after END, where nothing is read" if ended else "after a block, which ends before it"
                 )
                 where = behind if ended or self.blocks else "before any keyword"
                 self.error("", f"a data card stands {where}", Place(self.at, 1), id="VSDF-154")
         self._check_end(ended)
 
     def _read_block(self, ended: dict[str, Any]) -> None:
-        """Read a block ELEMENTS, which the line read last opens; no card is open behind it."""
+        """Read a block ELEMENTS, which the line read last opens; no card is open after it."""
         # Few decks have any.
         from ..elements_block.reader import BlockReader
 
         if ended:
-            message = f"{BLOCK} stands behind END, where nothing is read; put the block before END"
+            message = f"{BLOCK} stands after END, where nothing is read; put the block before END"
             self.error("", message, Place(self.at, 1, len(BLOCK)), id="VSDF-218")
         if self.blocks is None:
             sections = [card.section for card in BY_WORD.values()]
@@ -176,7 +176,7 @@ class _Reader(CardReader):
             return None
         reported = self._check_alone(word, line)
         if END in ended:
-            self.error("", f"card '{word}' stands behind END, where nothing is read", place, id="VSDF-157")
+            self.error("", f"card '{word}' stands after END, where nothing is read", place, id="VSDF-157")
             self.unknown = True
             return None
         if word != "BODY" and not self.begun:
@@ -211,12 +211,12 @@ class _Reader(CardReader):
         self.bare = None
 
     def _check_alone(self, word: str, line: str) -> bool:
-        """Words behind a keyword are a comment; numbers there were meant to be read, and are a fault."""
+        """Words after a keyword are a comment; numbers there were meant to be read, and are a fault."""
         extra = line[4:].strip()
         if not NUMBERS.match(extra):
             return False
         message = (
-            f"'{extra}' stands behind the keyword and is not read; data cards follow on lines of their own"
+            f"'{extra}' stands after the keyword and is not read; data cards follow on lines of their own"
         )
         self.error(word, message, Place(self.at, line.index(extra, 4) + 1, len(extra)), id="VSDF-160")
         return True
@@ -229,7 +229,7 @@ class _Reader(CardReader):
             place = Place(last, len(self.lines[last - 1].rstrip()) + 1)
             self.error("", "unexpected end of the deck, expected the card END", place, id="VSDF-161")
         elif STAR not in ended:
-            self.warn("", "no STAR card behind END: the deck asks for no run", ended[END], id="VSDF-162")
+            self.warn("", "no STAR card after END: the deck asks for no run", ended[END], id="VSDF-162")
 
     def _read_record(self, card: Card, line: str) -> None:
         before = len(self.faults)
@@ -295,7 +295,7 @@ class _Reader(CardReader):
 def _hint(word: str) -> str:
     """Return what may have been meant by a word that no card has."""
     if word in DATA_WORDS:
-        return f"; '{word}' stands on a data card, behind a blank"
+        return f"; '{word}' stands on a data card, after a blank"
     from difflib import get_close_matches
 
     close = get_close_matches(word, KNOWN_WORDS, n=1, cutoff=0.5)

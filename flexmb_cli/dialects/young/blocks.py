@@ -1,4 +1,4 @@
-"""Blocks ELEMENTS of a YOUNG deck: right behind dT, or among the cards of DYNAMICS."""
+"""Blocks ELEMENTS of a YOUNG deck: right after dT, or among the cards of DYNAMICS."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -22,7 +22,7 @@ def block_reader(source: DeckText) -> BlockReader:
 
 
 def read_blocks_after(reader: BlockReader, last: int, marker: re.Pattern[str]) -> int:
-    """Read the blocks behind line `last`, that of dT, up to the line that opens cards.
+    """Read the blocks after line `last`, that of dT, up to the line that opens cards.
 
     Return the last line that is read.  What stands there besides is prose, in which the word alone opens no
     block; lines of elements outside blocks are faults.
@@ -45,7 +45,7 @@ def read_blocks_after(reader: BlockReader, last: int, marker: re.Pattern[str]) -
 
 
 def _unclosed(lines: Lines, last: int) -> list[Fault]:
-    """Refuse a comment that nothing closes, where it ends a block behind line `last`."""
+    """Refuse a comment that nothing closes, where it ends a block after line `last`."""
     if next(without_braces(lines, last), "") != "{":
         return []
     place = Place(*lines.place_of(lines.text.find("{", lines.text.rfind("}") + 1)))
@@ -55,7 +55,7 @@ def _unclosed(lines: Lines, last: int) -> list[Fault]:
 
 _COMMENT = re.compile(r"\{[^}]*\}")
 _OPENING = "DYNAMICS"
-# One word, one more behind it, or anything where that is the name of an analysis.
+# One word, one more after it, or anything where that is the name of an analysis.
 _LIKE_OPENING = re.compile(
     r"^[ \t]*(([A-Z]{6,10})(?:[^\w\n]{1,9}(?:INVERSE|FORWARD)\b[^\n]*|[^\w\n]*|[^\w\n]{1,9}[A-Z]+[^\w\n]*))$",
     re.IGNORECASE | re.MULTILINE,
@@ -66,12 +66,12 @@ _NUMBER = r"[-+]?\.?\d[-+.\deEdD]*"
 
 
 def unread_lines(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator[Fault]:
-    """Warn of the lines behind line `behind` of a deck without dynamic cards that look like such cards."""
+    """Warn of the lines after line `behind` of a deck without dynamic cards that look like such cards."""
     slips = list(_like_openings(lines, behind))
     message = (
         "is read as prose: a card needs the line DYNAMICS inverse, DYNAMICS forward or GEOMETRY before it"
     )
-    # Cards behind a misspelt opening line have that one cause.
+    # Cards after a misspelt opening line have that one cause.
     return iter(slips) if slips else _cards(lines, behind, keywords, message, id="YOUNG-156")
 
 
@@ -87,9 +87,9 @@ def _like_openings(lines: Lines, behind: int) -> Iterator[Any]:
             yield Fault("warning", message, place, id="YOUNG-019")
 
 
-def cards_behind_end(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator[Fault]:
-    """Warn of cards behind line `behind`, which holds END."""
-    message = "stands behind END and is not read: put it before END"
+def cards_after_end(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator[Fault]:
+    """Warn of cards after line `behind`, which holds END."""
+    message = "stands after END and is not read: put it before END"
     yield from _cards(lines, behind, keywords, message, id="YOUNG-178")
 
 
@@ -108,7 +108,7 @@ def _cards(lines: Lines, behind: int, keywords: Iterable[str], message: str, *, 
 
 
 def _without_comments(lines: Lines, behind: int) -> tuple[Any, Any]:
-    """The text behind a line with blanks for comments and one type of line end, and where it starts."""
+    """The text after a line with blanks for comments and one type of line end, and where it starts."""
     start = lines.start_of(behind)
     text = lines.text[start:].replace("\r", "\n")
     # A crowd of braces that nothing closes would be searched to the end of the text, each of them.

@@ -1,9 +1,9 @@
-"""Masses and loads of a YOUNG deck: cards behind its last number, where the historic program stops reading.
+"""Masses and loads of a YOUNG deck: cards after its last number, where the historic program stops reading.
 
 A line that is exactly `DYNAMICS inverse` or `DYNAMICS forward` opens the cards; what stands between
 dT and that line is prose, and a deck without it means what it always meant.  A card is a keyword and
 its numbers, in any case of letters, on one line or several; `END` closes the cards, else the end of
-the deck does.  `{...}` is a comment.  Blocks ELEMENTS stand among the cards, or right behind dT.
+the deck does.  `{...}` is a comment.  Blocks ELEMENTS stand among the cards, or right after dT.
 """
 
 import re
@@ -28,7 +28,7 @@ from ..elements_block.text import (
     stray_lines,
     without_braces,
 )
-from .blocks import cards_behind_end, unread_lines
+from .blocks import cards_after_end, unread_lines
 from .cards import BY_KEYWORD, SHAPE_CARDS
 from .read_card import CardRecords, card_at, is_keyword, wants_text
 from .reader import read_young
@@ -51,7 +51,7 @@ MOST_LOADS, BY_BODY = 200_000, ("mass", "velocity")
 
 
 def read_young_deck(source: DeckText) -> Deck:
-    """A YOUNG deck with the records of its dynamic cards, if it has any, behind those of kinematics.
+    """A YOUNG deck with the records of its dynamic cards, if it has any, after those of kinematics.
 
     Raises DeckError with all faults of the cards.
     """
@@ -106,7 +106,7 @@ def _read_numbers(source: DeckText) -> Deck:
 
 
 def _blocks_after(source: DeckText, last: int) -> "tuple[BlockReader | None, int]":
-    """The reader of the deck's blocks, with those behind line `last`, that of dT, and the last line read."""
+    """The reader of the deck's blocks, with those after line `last`, that of dT, and the last line read."""
     if not mentions_block(source.text, source.lines.start_of(last)):
         return None, last
     # Few decks have any.
@@ -124,12 +124,12 @@ def _with_lines(records: Any, lines: Sequence[Record]) -> Any:
 
 
 def _opening(deck: Deck, behind: int) -> int | None:
-    """Number of the line behind another one that opens the cards, None without one."""
-    return next((n for n, line in _lines_behind(deck, behind) if MARKER.fullmatch(line)), None)
+    """Number of the line after another one that opens the cards, None without one."""
+    return next((n for n, line in _lines_after(deck, behind) if MARKER.fullmatch(line)), None)
 
 
-def _lines_behind(deck: Any, last: int) -> Iterator[tuple[int, str]]:
-    """Number and text of every line behind another one that names the cards."""
+def _lines_after(deck: Any, last: int) -> Iterator[tuple[int, str]]:
+    """Number and text of every line after another one that names the cards."""
     lines = deck.source.lines
     for match in NAME.finditer(lines.text, lines.start_of(last)):
         n, column = lines.place_of(match.start())
@@ -156,7 +156,7 @@ class _Cards:
     stray: int = 0  # line of an element outside a block
 
     def behind(self, records: tuple[Record, ...] | BySection) -> tuple[Record, ...] | BySection:
-        """Return the records of the cards behind those of kinematics; many ones are made when looked at."""
+        """Return the records of the cards after those of kinematics; many ones are made when looked at."""
         if isinstance(records, tuple) and self.numbers <= many_records.MANY_NUMBERS:
             return *records, *self.records, *self.lines
         blocks = [*blocks_of(records), *blocks_of([*self.records[:1], *self.lines])]
@@ -170,7 +170,7 @@ class _Cards:
         return self.blocks.records if self.blocks else ()
 
     def read(self) -> None:
-        """Read all cards and blocks behind the opening line."""
+        """Read all cards and blocks after the opening line."""
         self.records.append(self._opening_record())
         last: int | None = self.opening
         while last is not None:
@@ -179,7 +179,7 @@ class _Cards:
             self.made.faults += self.blocks.faults
 
     def _read_cards(self, last: int) -> int | None:
-        """Read the cards behind a line up to a block, and that; return the last line read, or None."""
+        """Read the cards after a line up to a block, and that; return the last line read, or None."""
         card: list[Any] = []
         for word in words(self.source.lines, last):
             if self.blocks and self._opens_block(word):
@@ -204,7 +204,7 @@ class _Cards:
                     return None
                 card = [word]
                 if word.text.upper() == LAST_CARD:
-                    self.made.faults += cards_behind_end(self.source.lines, word.line, BY_KEYWORD)
+                    self.made.faults += cards_after_end(self.source.lines, word.line, BY_KEYWORD)
                     behind = refuse_after(self.source.lines, without_braces, word.line, LAST_CARD)
                     self.made.faults += behind
                     return None
@@ -223,7 +223,7 @@ class _Cards:
             return False
         opens = begins_block(_COMMENT.sub("", self.source.lines[word.line - 1]))
         if opens and self.shapes_alone:
-            message = "a block stands right behind dT, before GEOMETRY"
+            message = "a block stands right after dT, before GEOMETRY"
             self.made.error(word.place, "", message, id="YOUNG-179")
         return opens
 
@@ -248,7 +248,7 @@ class _Cards:
         return Record(section, 0, section, (number,))
 
     def _finish(self, card: list[Word]) -> None:
-        """Make a record of a keyword and the words behind it."""
+        """Make a record of a keyword and the words after it."""
         if not card or not card[0].text:
             return
         keyword, *words = card

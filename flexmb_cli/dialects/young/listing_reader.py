@@ -31,7 +31,7 @@ LOOSE_STOP = "listing of an earlier program: the iteration ended a digit short"
 class KnownError:
     """Cells of one body's or point's lines in every report row, or in the rows `steps` only, and the cause.
 
-    Columns count from 1 behind the number of the body or point.
+    Columns count from 1 after the number of the body or point.
     """
 
     deck: str
@@ -274,7 +274,7 @@ class _Scan:
         if words[0].upper() in HEADINGS and self.time:
             self._open_section(HEADINGS[words[0].upper()])
         elif words[0].upper() in ("BODY", "NO"):
-            # Column titles begin a section; behind an unknown heading nothing continues.
+            # Column titles begin a section; after an unknown heading nothing continues.
             self._interrupted = None
             if self._open is not None:
                 self._take_title(self._open, words[1:])
@@ -297,7 +297,7 @@ class _Scan:
         if match is None:
             place = Place(number, line.index("TIME") + 1, len(line.strip()))
             read = f"read {line.strip()!r}{hint(line.partition('=')[2].strip())}"
-            message = f"a time is expected behind TIME=, {read}"
+            message = f"a time is expected after TIME=, {read}"
             self.faults.append(Fault("error", message, place, id="YOUNG-030"))
             return
         self.time.append(float(match[1]))

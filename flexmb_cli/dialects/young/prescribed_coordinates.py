@@ -79,7 +79,7 @@ def _by_bodies(mechanism: Any, findings: Findings) -> Iterator[list[_Hold]]:
 
 
 def _of(mechanism: Any, k: int, given: Any) -> _Hold:
-    """The hold of simplified constraint k, or behind all `given` ones of a driver."""
+    """The hold of simplified constraint k, or after all `given` ones of a driver."""
     if k < given:
         item = mechanism.simplified[k]
         return _Hold(item.name, item.body, item.direction, item.value, item.place)

@@ -14,7 +14,7 @@ from .sections import Column
 
 # Words that stand for no number, where one is wanted, and are no keyword.
 NO_NUMBER = re.compile(r"nan|inf(inity)?", re.IGNORECASE)
-# A card without comments: its keyword and its numbers, without the name of a function behind them.
+# A card without comments: its keyword and its numbers, without the name of a function after them.
 _PLAIN_CARD = re.compile(r"[A-Za-z]\w*\s+([^\s{A-Za-z][^\s{]*(?:\s+[^\s{A-Za-z][^\s{]*)*)\s*({)?")
 
 
@@ -114,7 +114,7 @@ class ReadCard(Record):
 
     @cached_property
     def _plain(self) -> Any:
-        """The card in the text; None where a comment stands in it or behind it."""
+        """The card in the text; None where a comment stands in it or after it."""
         if self._kind.begins_with_text:
             return None
         match = _PLAIN_CARD.match(self._source.text, self._start)

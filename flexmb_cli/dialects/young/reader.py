@@ -22,12 +22,12 @@ from .sections import BODIES, COUNTS, YOUNG_SECTIONS, Section
 
 
 def relabelled(record: Record, key: str) -> Record:
-    """Return `record` after a change of the number `key`: a direction gives the values behind it units."""
+    """Return `record` after a change of the number `key`: a direction gives the values after it units."""
     return labelled(record) if key == "direction" else record
 
 
 def labelled(record: Record) -> Record:
-    """`record` with the meanings and units that its present direction gives the values behind it."""
+    """`record` with the meanings and units that its present direction gives the values after it."""
     section = next((section for section in YOUNG_SECTIONS if section.name == record.section), None)
     if section is None:
         return record
@@ -287,7 +287,7 @@ def _values(
 def _slips_of(reading: _Reading, counts: ReadRecord) -> tuple[Fault, ...]:
     """Slips, looked for only where the numbers needed do not end with a line: no other deck has any."""
     needed = sum(size for _, size in _blocks(reading, counts)) + len(counts.values)
-    behind = _words_behind(reading)
+    behind = _words_after(reading)
     if reading.taken == needed and not behind:
         return ()
     # No record is empty, so the words taken bound the number of records worth listing.
@@ -297,14 +297,14 @@ def _slips_of(reading: _Reading, counts: ReadRecord) -> tuple[Fault, ...]:
     return slips([*taken, *behind], [(COUNTS.subject, len(counts.values)), *sizes])
 
 
-def _words_behind(reading: _Reading) -> list[Word]:
+def _words_after(reading: _Reading) -> list[Word]:
     """The rest of the last number's line and the next line; nothing when the number ends its line."""
-    rest, following = _lines_behind(reading, reading.words[reading.taken - 1].line)
+    rest, following = _lines_after(reading, reading.words[reading.taken - 1].line)
     return [*rest, *following] if rest else []
 
 
-def _lines_behind(reading: _Reading, last: int) -> tuple[Any, Any]:
-    """The words behind the last number on its line `last`, and those of the next line that has any."""
+def _lines_after(reading: _Reading, last: int) -> tuple[Any, Any]:
+    """The words after the last number on its line `last`, and those of the next line that has any."""
     end = reading.taken
     reading.words.reach(end + 2 * LONGEST_RECORD)
     known = min(end + 2 * LONGEST_RECORD, len(reading.words))
@@ -323,16 +323,16 @@ def _is_number(word: Word) -> bool:
 
 
 def _numbers_left_over(reading: _Reading) -> Iterator[Any]:
-    """A warning of numbers behind dT: on its line, or alone on the next one.
+    """A warning of numbers after dT: on its line, or alone on the next one.
 
     Prose may stand there.  Numbers only are rather one too many in a record before.
     """
     if reading.errors:
         return
     last = reading.words[reading.taken - 1]
-    rest, following = _lines_behind(reading, last.line)
+    rest, following = _lines_after(reading, last.line)
     if rest and all(map(_is_number, rest)):
-        message = f"behind Ti, Te and dT = {last.text} stands a number more; is one before it too many?"
+        message = f"after Ti, Te and dT = {last.text} stands a number more; is one before it too many?"
         yield Fault("warning", message, rest[0].place, "time", id="YOUNG-060")
     elif following and all(map(_is_number, following)):
         message = "the deck is complete before this line; its numbers are ignored"

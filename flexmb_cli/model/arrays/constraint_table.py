@@ -172,7 +172,7 @@ class PrimitiveTable(FunctionTable):
         return records[0]
 
     def _primitives(self) -> np.ndarray:
-        """All primitives; those that are added to others are counted behind the equations."""
+        """All primitives; those that are added to others are counted after the equations."""
         records = np.concatenate(
             [np.zeros(0, PRIMITIVE), *map(np.atleast_1d, (*self.measured, *self.springs))]
         )

@@ -108,7 +108,7 @@ def _flexible(bodies: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _elements(table: PrimitiveTable, mechanism: FlexibleMechanism) -> Any:
-    """The elements, whose equations stand behind all others."""
+    """The elements, whose equations stand after all others."""
     first = mechanism.elements.first_values
     elements = ElementTable(table, PointJoints(table, mechanism.joints, first), mechanism.elements)
     joints = PointJoints(table.reported(), mechanism.joints)

@@ -3,7 +3,7 @@ groups.
 
 A body vector is c + S η in the axes of its body, and of what turns with a node + (exp(θ~) - 1) arm, θ = T η:
 a point, taken with the body's origin, or a free vector.  Body -1 is the ground, whose axes are global.  The
-first coordinates are r and p of every body, seven each, the first speeds v and ω, six each; behind them stand
+first coordinates are r and p of every body, seven each, the first speeds v and ω, six each; after them stand
 the modal coordinates of the flexible bodies and their rates.
 """
 
@@ -17,7 +17,7 @@ LAW = np.dtype(
     [
         ("shape", np.int64),  # code of a law of `model.laws`
         ("c", np.float64, 10),  # its numbers in their order, SI units; of a motor a constant effort
-        # Its functions in their order, -1: none; behind one of the coordinate its integral.
+        # Its functions in their order, -1: none; after one of the coordinate its integral.
         ("f", np.int64, 3),
         ("driven", np.int64),  # 1: by a signal, 0: by none
     ]

@@ -36,7 +36,7 @@ class SystemArrays:
     modal: np.ndarray  # their invariants
     body_vectors: np.ndarray  # BODY_VECTOR
     shapes: np.ndarray
-    primitives: np.ndarray  # PRIMITIVE: first of the rows behind those of `constraints`, then of springs
+    primitives: np.ndarray  # PRIMITIVE: first of the rows after those of `constraints`, then of springs
     loads: np.ndarray  # LOAD
     functions: np.ndarray  # FUNCTION
     knots: np.ndarray  # (k, 3)

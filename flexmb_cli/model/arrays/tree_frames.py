@@ -3,7 +3,7 @@
 A *frame* is a body or a node that carries a hinge or closure: such a node is a point mass on
 translational hinges along the axes of its body, so that one recursion serves both.  The other nodes
 are *nodal masses*, which end the tree and are cheaper.  Frames stand in the order of the bodies, a body's
-carrying nodes right behind it: a parent always comes before its children.  Frame 0 is the inertial
+carrying nodes right after it: a parent always comes before its children.  Frame 0 is the inertial
 frame.  Hinges that turn with the slope of their node hang on *node frames* instead, see
 `model.arrays.node_frames`.
 """

@@ -1,7 +1,7 @@
-"""Errors of the program of 1996 behind a number of an archived listing of any YOUNG deck.
+"""Errors of the program of 1996 that explain a number of an archived listing of any YOUNG deck.
 
 The deck is run with all known errors, and with all but one of them.  A number of the listing that the
-first run gives, to a unit of its last digit, is explained; the errors behind it are those without which
+first run gives, to a unit of its last digit, is explained; the errors after it are those without which
 it is not given.
 """
 

@@ -135,7 +135,7 @@ def is_many(path: str) -> bool:
 def matched(a: str, b: str) -> Summary:
     """Pair the files of `a` and `b` by name, in order; an export belongs to the HDF5 result of its stem.
 
-    The name of a file is its path behind the folder, or behind the last folder without a wildcard.
+    The name of a file is its path after the folder, or after the last folder without a wildcard.
     """
     (files_a, special_a), (files_b, special_b) = _files(a), _files(b)
     summary = Summary(a, b, special=sorted(special_a | special_b))
@@ -195,7 +195,7 @@ def _fits(name: str, pattern: str) -> bool:
 
 
 def _split(pattern: str) -> tuple[str, tuple[str, ...]]:
-    """The folder before the first wildcard, and the parts behind it."""
+    """The folder before the first wildcard, and the parts after it."""
     parts = PurePath(pattern).parts
     first = next(k for k, part in enumerate(parts) if WILD.search(part))
     return os.path.join("", *parts[:first]), parts[first:]

@@ -126,7 +126,7 @@ def _compare_files(
 
 
 def quantity_places(result: h5py.File, tolerances: Tolerances) -> dict[str, list[Any]]:
-    """Return the quantities with their own tolerance: pairs (index behind time, tolerance) by dataset."""
+    """Return the quantities with their own tolerance: pairs (index after time, tolerance) by dataset."""
     places: dict[str, list[Any]] = {}
     if not tolerances.quantities or "time" not in result:
         return places

@@ -100,7 +100,7 @@ class LargePayload(ValueError):
 
 
 def framed(payload: bytes, head: struct.Struct) -> bytes:
-    """Return the payload behind its head of two whole numbers: length, CRC-32."""
+    """Return the payload after its head of two whole numbers: length, CRC-32."""
     return head.pack(len(payload), zlib.crc32(payload)) + payload
 
 

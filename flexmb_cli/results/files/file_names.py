@@ -16,7 +16,7 @@ from ...dialects.recognise import dialect_named, every_dialect
 from ...errors import OutputError
 
 STANDARD_INPUT = STANDARD_OUTPUT = "-"
-STALE = ".stale"  # behind the name of a result that the latest run of its deck did not make
+STALE = ".stale"  # after the name of a result that the latest run of its deck did not make
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ _PREFIX, _SUFFIX = ".flexmb-", ".tmp"
 
 
 def is_unfinished(path: str) -> bool:
-    """Return whether a file has the name of a result in the making, such as a killed run leaves behind."""
+    """Return whether a file has the name of a result in the making, such as a killed run leaves."""
     name = os.path.basename(path)
     return name.startswith(_PREFIX) and name.endswith(_SUFFIX)
 

@@ -222,7 +222,7 @@ def remarks(result: h5py.File) -> list[Fault]:
 
 
 def _elements(result: h5py.File, path: str, rows: slice, index: np.ndarray) -> np.ndarray:
-    """Elements (rows, places) of a dataset at the places `index` (places, axes) behind time."""
+    """Elements (rows, places) of a dataset at the places `index` (places, axes) after time."""
     low, high = index.min(axis=0), index.max(axis=0) + 1
     try:
         with understood():

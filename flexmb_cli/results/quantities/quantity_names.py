@@ -19,7 +19,7 @@ from ..hdf5.stored_result import (
 )
 
 TIME = "time"
-# Names of a dataset's elements, the shortest first; {0} and {1} are its axes behind time, {item} the body of
+# Names of a dataset's elements, the shortest first; {0} and {1} are its axes after time, {item} the body of
 # the datasets that a body has for itself (/elastic/<body>/...).
 FORMS = {
     "body/position": ("body.{0}.{1}", "body.{0}.position.{1}"),
@@ -48,7 +48,7 @@ MOTION = (
     "position", "euler_parameters", "velocity", "euler_parameter_rates", "angular_velocity", "acceleration",
     "euler_parameter_accelerations", "angular_acceleration",
 )  # fmt: skip
-# Groups with a subgroup for every body that has such datasets; modes stand behind the quantity, nodes before.
+# Groups with a subgroup for every body that has such datasets; modes stand after the quantity, nodes before.
 BY_BODY = ("elastic", "modal", "stress", "strain")
 # Things that lines of the block ELEMENTS name; a deck's older cards leave them "spring 1".
 OF_LINES = ("element", "contact", "composite", "coupling", "curve", "driver")
@@ -87,7 +87,7 @@ class Family:
     items: tuple[str, ...]
 
     def name(self, index: tuple[int, ...]) -> str:
-        """Name of the element at `index` behind time."""
+        """Name of the element at `index` after time."""
         return ".".join(slot.words[0 if slot.axis is None else index[slot.axis]][0] for slot in self.forms[0])
 
     def unit(self, index: tuple[int, ...]) -> str:
@@ -160,7 +160,7 @@ def _form(path: str, item: tuple[str, ...] | None, dataset: h5py.Dataset) -> str
 
 
 def _numbered_axes(dataset: h5py.Dataset) -> int:
-    """Return how many axes behind time, from the first, count things: bodies, joints, nodes."""
+    """Return how many axes after time, from the first, count things: bodies, joints, nodes."""
     scales = [scale_of(dataset, axis) for axis in range(1, dataset.ndim)]
     kinds = [scale is not None and is_number(scale) for scale in scales]
     return kinds.index(False) if False in kinds else len(kinds)

@@ -21,7 +21,7 @@ class Analysis(Protocol):
 
     @property
     def checkpoint(self) -> Mapping[str, "np.ndarray"]:
-        """Return the state behind the last block, as arrays by name."""
+        """Return the state after the last block, as arrays by name."""
 
     def restore(self, checkpoint: dict[str, "np.ndarray"]) -> object:
         """Continue from a checkpoint."""
@@ -52,7 +52,7 @@ class Solution:
     of the analysis so far.  `finer(run)` makes the blocks of values of a second, finer run, or None.
     `identity`: what the numbers depend on besides the deck, in JSON's types.
 
-    If it is `resumable`, the analysis has a `checkpoint` behind every block, arrays by name, and
+    If it is `resumable`, the analysis has a `checkpoint` after every block, arrays by name, and
     `analysis.restore(checkpoint)` continues from it.  `variants()`: what solves variants of the model
     together, or None.  `outputs` computes those of the deck anew for a block that is stored: the next block
     continues it.

@@ -32,7 +32,7 @@ TOO_COARSE = (
 def solution(model: DynamicModel, run: Run) -> Solution:
     """Return the dynamics of `model`, ready to be solved."""
     if run.options.as_printed:
-        reported = "the program of 1996 has no dynamics: leave out --as-printed, or the cards behind DYNAMICS"
+        reported = "the program of 1996 has no dynamics: leave out --as-printed, or the cards after DYNAMICS"
         raise ModelError([Fault("error", reported, id="RUN-031")])
     model = _as_asked(model, run.options)
     if model.analysis != "forward":

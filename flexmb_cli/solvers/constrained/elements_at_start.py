@@ -92,7 +92,7 @@ def _pressed_stops(stops: Iterable[Element], answers: np.ndarray) -> Iterator[Fa
         if effort != 0.0:
             depth = max(x - stop["upper"], stop["lower"] - x)
             message = (
-                f"it begins {depth:.4g} {length} behind its limit and pushes with {abs(effort):.4g} {force}; "
+                f"it begins {depth:.4g} {length} beyond its limit and pushes with {abs(effort):.4g} {force}; "
                 "correct the limits or the position at the start if that is not meant"
             )
             yield Fault("note", message, stop.place, stop.name, id="SOLVE-040")

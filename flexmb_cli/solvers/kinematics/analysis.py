@@ -79,12 +79,12 @@ class KinematicAnalysis(KinematicState):
 
     @property
     def one_block(self) -> bool:
-        """Return whether a block holds all rows behind the first: it is no chain to continue from."""
+        """Return whether a block holds all rows after the first: it is no chain to continue from."""
         return self.mechanism.time.rows - 1 <= self._at_once(LARGEST_BLOCK)
 
     @property
     def checkpoint(self) -> dict[str, np.ndarray]:
-        """Return where to go on behind the rows that have been yielded."""
+        """Return where to go on after the rows that have been yielded."""
         return {
             "row": np.array(self.row),
             "state": self.state,
@@ -96,7 +96,7 @@ class KinematicAnalysis(KinematicState):
         }
 
     def restore(self, checkpoint: Mapping[str, np.ndarray]) -> Rows:
-        """Go on behind the rows that were yielded up to a checkpoint; returns the first row.
+        """Go on after the rows that were yielded up to a checkpoint; returns the first row.
 
         That is solved anew, because it decides which equations repeat others.
         """

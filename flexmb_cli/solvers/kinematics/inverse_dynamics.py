@@ -47,16 +47,16 @@ class InverseDynamics:
 
     @property
     def one_block(self) -> bool:
-        """Return whether a block holds all rows behind the first."""
+        """Return whether a block holds all rows after the first."""
         return self.motion.one_block
 
     @property
     def checkpoint(self) -> dict[str, np.ndarray]:
-        """Return where to go on behind the rows that have been yielded."""
+        """Return where to go on after the rows that have been yielded."""
         return self.motion.checkpoint | arrays_in(work=self.work)
 
     def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
-        """Go on behind the rows that were yielded up to a checkpoint."""
+        """Go on after the rows that were yielded up to a checkpoint."""
         self._with_forces(self.motion.restore(checkpoint))
         fill_arrays(checkpoint, work=self.work)
 

@@ -123,5 +123,5 @@ class WholeTurns:
         return {"turns": self.last}
 
     def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
-        """Go on behind the rows counted before a checkpoint."""
+        """Go on after the rows counted before a checkpoint."""
         self.last = np.array(taken(checkpoint, "turns", self.last.shape))

@@ -140,7 +140,7 @@ def kinematic_system(arrays: KinematicArrays, settings: KinematicSettings) -> Sy
     """The kernels' view of a mechanism.
 
     Bodies at rest come first among the columns, and held or driven coordinates first among the
-    rows: elimination then finds them as pivots and leaves zeros behind.
+    rows: elimination then finds them as pivots and leaves zeros below.
     """
     if "places" not in arrays.of_variants:
         arrays.of_variants["places"] = _places_and_units(arrays)

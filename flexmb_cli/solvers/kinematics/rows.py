@@ -108,7 +108,7 @@ def first_rows(rows: Rows, count: int) -> Rows:
 
 
 def joined_rows(first: Rows | None, others: Rows) -> Rows:
-    """Rows and those behind them as one block."""
+    """Rows and those after them as one block."""
     if first is None:
         return others
     names = [field.name for field in fields(Rows)]

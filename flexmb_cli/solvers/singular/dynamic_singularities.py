@@ -224,7 +224,7 @@ class PassedDynamicSingularities(PassedSingularities):
         return values[middle] if len(values) % 2 else 0.5 * (values[middle - 1] + values[middle])
 
     def located(self, interval: tuple[Row, Row, Row]) -> Iterator[Passed]:
-        """Yield the singular position before the row in the middle, or else the one behind it."""
+        """Yield the singular position before the row in the middle, or else the one after it."""
         for first, last in (interval[:2], interval[1:]):
             x = least_by_thirds(partial(self._value_at, first, last))
             q, value = self._at(first, last, x)

@@ -151,7 +151,7 @@ def row_across(
 ) -> Rows | None:
     """The row at t where the analysis was barred, which `watch` notes; None if no smooth motion crosses.
 
-    `memory`: state, motion and clock at an earlier time.  The analysis then stands a little behind t.
+    `memory`: state, motion and clock at an earlier time.  The analysis then stands a little after t.
     """
     analysis = watch.analysis
     before, after = _times(analysis, t, float(memory[2][TIME]))
@@ -220,7 +220,7 @@ def _rate_gap(analysis: KinematicState, row: np.ndarray, t: float) -> float:
 
 
 NUDGE = 0.05  # of the length scale, and of Euler parameters
-LATER = 1e-3  # of the time between rows: behind a dead centre
+LATER = 1e-3  # of the time between rows: after a dead centre
 
 
 def step_failure(analysis: KinematicState, t: float) -> AnalysisError:
@@ -261,7 +261,7 @@ def _least_gap(evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarr
 
 
 def _singular(analysis: KinematicState, reached: Any, t: float) -> AnalysisError:
-    """The failure at a singular position: a dead centre, behind which a gap remains, or a branching."""
+    """The failure at a singular position: a dead centre, after which a gap remains, or a branching."""
     evaluator, q, expected = analysis.evaluator, analysis.state[0], analysis.motion[:, 0]
     weak = conditioning(evaluator, q, reached, expected)
     later = t + LATER * analysis.mechanism.time.step

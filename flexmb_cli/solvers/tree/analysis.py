@@ -59,7 +59,7 @@ class TreeAnalysis(TreeSteps):
         }
 
     def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
-        """Go on behind the rows that were yielded up to a checkpoint."""
+        """Go on after the rows that were yielded up to a checkpoint."""
         self.resumed = True
         self.row = row_of(checkpoint)
         self.warnings[:] = faults_reported(checkpoint)

@@ -21,7 +21,7 @@ from ..assembly import DAMPINGS, OTHER_STARTS, least_squares
 from .state import TreeState
 
 MOST_STEPS = 40
-MOST_LEFT = 0.9  # of a gap by a step behind a search: more is left where a loop does not close
+MOST_LEFT = 0.9  # of a gap by a step after a search: more is left where a loop does not close
 LONGEST_MOVE = 0.5  # step of a coordinate, rad or m
 TREE_ASIDE = 0.5  # of the size, and rad: the largest distance of other starts
 

@@ -94,7 +94,7 @@ CASES = [
                 "(write the number without its unit); FORMAT(I5,3F10.5)"
             )
         ],
-        id="a unit stands behind a number",
+        id="a unit stands after a number",
     ),
     pytest.param(
         deck_text("two_link_n2", ("Q(k)\n    1       0.0", "Q(k)\n    1    180deg")),
@@ -104,7 +104,7 @@ CASES = [
                 "(angles are in rad; 180 degrees are 3.14159265358979); FORMAT(I5,3F10.5)"
             )
         ],
-        id="degrees stand behind a number",
+        id="degrees stand after a number",
     ),
     pytest.param(
         deck_text("two_link_n2", ("Q(k)\n    1       0.0", "Q(k)\n    1    1.E999")),
@@ -172,8 +172,8 @@ CASES = [
     ),
     pytest.param(
         deck_text("two_link_n2", ("CONN\n    0    1", "CONN\n    0    1    2")),
-        ["30:15: warning: CONN: '2' stands behind column 10 and is not read; FORMAT(10I5)"],
-        id="a number behind the list is warned of",
+        ["30:15: warning: CONN: '2' stands after column 10 and is not read; FORMAT(10I5)"],
+        id="a number after the list is warned of",
     ),
     pytest.param(
         deck_text("two_link_n2", ("MASS\n    1       5.0", "MASS\n   12.5")),

@@ -227,6 +227,6 @@ def test_the_effort_of_a_driven_run_gives_the_motion_back(word, method):
     assert found.q == pytest.approx(given.q[same], abs=NEAR)
     assert found.y == pytest.approx(given.y[same], abs=NEAR)
     efforts = given.element_effort[same]
-    # The motor stands behind all others.
+    # The motor stands after all others.
     others, scale = found.element_effort[:, : efforts.shape[1]], np.abs(efforts).max(initial=1.0)
     assert others == pytest.approx(efforts, abs=10 * NEAR * scale)

@@ -139,7 +139,7 @@ USAGE = (
         ("SPRING a at=2.angle",
          "7:1: SPRING stands outside a block; a line ELEMENTS before it, in column 1, opens one"),
         ("END\nELEMENTS\n  SPRING a at=2.angle",
-         "8:1: ELEMENTS stands behind END, where nothing is read; put the block before END"),
+         "8:1: ELEMENTS stands after END, where nothing is read; put the block before END"),
     ],
 )  # fmt: skip
 def test_a_slip_is_reported_with_place_object_and_remedy(line, wanted):
@@ -173,7 +173,7 @@ OUTSIDE = "stands outside a block; a line ELEMENTS before it, in column 1, opens
         (TWO_LINKS.replace("DFMB", "ELEMENTS\n  SPRING a at=1.r3\nDFMB"),
          "2:1: ELEMENTS stands before DFMB; a block stands among the cards between DFMB and END"),
         (f"{deck('')}ELEMENTS\n  SPRING a at=1.r3\n",
-         "41:1: ELEMENTS stands behind STOP, where nothing is read; put the block before STOP"),
+         "41:1: ELEMENTS stands after STOP, where nothing is read; put the block before STOP"),
         (deck("ELEMENTS\n  SPRING a at=1.angle"),
          "38:15: a: hinges have the coordinates r1 to r3 and t1 to t3; free there: 1.r3"),
         (deck("ELEMENTS\n  SPRING a at=2.r1"),
@@ -189,7 +189,7 @@ OUTSIDE = "stands outside a block; a line ELEMENTS before it, in column 1, opens
         (vsdf("TORQ\n 1,0,0,1,0,g"),
          "29:12: torque 1: there is no function g; the deck has none; define it, or name another"),
         (vsdf("TIME\n 1,0.1\nEND\nELEMENTS\n  SPRING a at=1.angle"),
-         "31:1: ELEMENTS stands behind END, where nothing is read; put the block before END"),
+         "31:1: ELEMENTS stands after END, where nothing is read; put the block before END"),
     ],
 )  # fmt: skip
 def test_nothing_of_a_block_is_lost_silently_in_any_dialect(text, wanted):
@@ -259,7 +259,7 @@ def test_a_kinematic_deck_has_its_block_right_behind_the_last_number():
 
 
 def test_prose_with_the_word_alone_opens_no_block():
-    """The program of 1996 read nothing behind dT."""
+    """The program of 1996 read nothing after dT."""
     found = read(f"{BODIES}of the mechanism\nELEMENTS\nare listed in k=3\n")
     assert not found.section("elements")
 

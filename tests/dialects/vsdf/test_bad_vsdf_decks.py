@@ -49,9 +49,9 @@ READING = [
         ],
     ),
     (
-        "number behind the fields",
+        "number after the fields",
         changed(("       1.0      0.01\n", "       1.0      0.01       0.0       5.0\n")),
-        ["28:38: error: TIME: '5.0' stands behind the last field and is not read"],
+        ["28:38: error: TIME: '5.0' stands after the last field and is not read"],
     ),
     (
         "second card missing",
@@ -74,9 +74,9 @@ READING = [
         ["30:11: error: unexpected end of the deck, expected the card END"],
     ),
     (
-        "behind END",
+        "after END",
         changed(("STAR\n", "STAR\nGRAV\n")),
-        ["33:1: error: card 'GRAV' stands behind END, where nothing is read"],
+        ["33:1: error: card 'GRAV' stands after END, where nothing is read"],
     ),
     (
         "BODY not first",

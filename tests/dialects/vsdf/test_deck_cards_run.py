@@ -57,7 +57,7 @@ def with_cards(cards, text=SLIDER):
 
 
 def test_a_force_by_a_table_accelerates_by_its_straight_pieces():
-    """A triangle of 3 over the first half second, 0 behind it; z = ∬ F f/m with F/m = 2, piece by piece."""
+    """A triangle of 3 over the first half second, 0 after it; z = ∬ F f/m with F/m = 2, piece by piece."""
     cards = "TABL\n    1       0.0       0.0\n    1      0.25       3.0\n    1       0.5       0.0\n"
     rows, _, _ = run(with_cards(cards + "FORC\n    1    1       0.0       0.0       4.0    0    1\n"))
     t = rows("time")
@@ -71,7 +71,7 @@ def test_a_force_by_a_table_accelerates_by_its_straight_pieces():
     ("steps", "error"), [("RK45   1.0E-10", 1e-8), ("RAD5   1.0E-10", 1e-8), ("GALF", 5e-5)]
 )
 def test_no_method_steps_over_a_pulse_of_a_table(steps, error):
-    """4 N s within 2 ms at the mass of 2 kg, which rested: 2 m/s from then on, however steps grow behind
+    """4 N s within 2 ms at the mass of 2 kg, which rested: 2 m/s from then on, however steps grow after
     it.
     """
     cards = "".join(f"    1 {t:9.4f} {f:9.1f}\n" for t, f in ((0, 0), (0.7, 0), (0.701, 1000), (0.702, 0)))
@@ -219,7 +219,7 @@ def test_a_table_with_a_fault_is_not_also_called_missing():
 
 def test_numbers_behind_a_keyword_are_refused_and_words_are_a_comment():
     assert reported(with_cards("GRAV  0.0,-9.81,0.0\n")) == [
-        "16:7: error: GRAV: '0.0,-9.81,0.0' stands behind the keyword and is not read; data cards follow on lines of "
+        "16:7: error: GRAV: '0.0,-9.81,0.0' stands after the keyword and is not read; data cards follow on lines of "
         "their own"
     ]
     assert reported(with_cards("GRAVITY in m/s^2\n       0.0     -9.81\n")) == []
@@ -227,7 +227,7 @@ def test_numbers_behind_a_keyword_are_refused_and_words_are_a_comment():
 
 def test_a_word_of_a_data_card_in_the_first_column_is_told_to_move():
     assert reported(changed((" RK45   1.0E-10", "RK45   1.0E-10"), text=SLIDER)) == [
-        "19:1: error: there is no card 'RK45'; 'RK45' stands on a data card, behind a blank"
+        "19:1: error: there is no card 'RK45'; 'RK45' stands on a data card, after a blank"
     ]
 
 

@@ -39,12 +39,12 @@ UNREAD = [
         ],
     ),
     (
-        "constants behind those of a spin-up",
+        "constants after those of a spin-up",
         changed(("GRAV\n", "MOTN\n    1 ANGL    1    2       6.0       1.0       0.5\nGRAV\n")),
         [f"26:48: error: motion 1: c2 is 0.5 and is not read: law 2 reads c0 and c1; {EMPTY}"],
     ),
     (
-        "constants behind a table's number",
+        "constants after a table's number",
         changed(
             ("GRAV\n", "TABL\n 1,0.0,0.0\n 1,1.0,1.0\nMOTN\n    1 ANGL    1    4       1.0       0.5\nGRAV\n")
         ),
@@ -200,22 +200,22 @@ BESIDE_FIELDS = [
         ["25:1: warning: GRAV: no data card stands below the keyword, so it says nothing"],
     ),
     (
-        "numbers with a unit behind the keyword",
+        "numbers with a unit after the keyword",
         changed(("GRAV\n", "GRAV 0.0,-9.81,0.0 m/s2\n")),
         [
-            "25:6: error: GRAV: '0.0,-9.81,0.0 m/s2' stands behind the keyword and is not read; data cards "
+            "25:6: error: GRAV: '0.0,-9.81,0.0 m/s2' stands after the keyword and is not read; data cards "
             "follow on lines of their own"
         ],
     ),
     (
-        "a number and words behind the last field",
+        "a number and words after the last field",
         changed(("       1.0      0.01\n", "       1.0      0.01       0.0       5.0 s\n")),
-        ["28:38: error: TIME: '5.0 s' stands behind the last field and is not read"],
+        ["28:38: error: TIME: '5.0 s' stands after the last field and is not read"],
     ),
     (
         "a number that runs over the last field",
         changed(("     -9.81       0.0\n", "     -9.81  100000000.5 m/s2\n")),
-        ["26:31: error: GRAV: '0.5 m/s2' stands behind the last field and is not read"],
+        ["26:31: error: GRAV: '0.5 m/s2' stands after the last field and is not read"],
     ),
     (
         "an exponent that runs over the last field",
@@ -226,9 +226,9 @@ BESIDE_FIELDS = [
         ],
     ),
     (
-        "data behind END",
+        "data after END",
         changed(("STAR\n", "       1.0      0.01\nSTAR\n")),
-        ["32:1: error: a data card stands behind END, where nothing is read"],
+        ["32:1: error: a data card stands after END, where nothing is read"],
     ),
 ]  # fmt: skip
 CASES = [*UNREAD, *WITHOUT_EFFECT, *BESIDE_FIELDS]

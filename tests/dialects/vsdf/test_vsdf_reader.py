@@ -110,7 +110,7 @@ def test_a_block_may_repeat():
 
 def test_a_deck_without_star_is_read_with_a_warn():
     (warning,) = read(changed(("STAR\nSTOP\n", ""))).warnings
-    assert warning.sentence == "no STAR card behind END: the deck asks for no run"
+    assert warning.sentence == "no STAR card after END: the deck asks for no run"
 
 
 def test_every_card_has_a_word_of_four_letters_of_its_own():

@@ -128,7 +128,7 @@ IN.dat:4:7: warning: driver 1: B: '1.047+0' is taken for 1.047; write the expone
 """,
     ),
     (
-        "a caret below a word behind tabs",
+        "a caret below a word after tabs",
         pendulum(4, "2\t4\t0\t1.04x\t0"),
         r"""
 IN.dat:4:7: error: driver 1: B must be a number; read '1.04x'

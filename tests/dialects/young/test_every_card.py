@@ -1,4 +1,4 @@
-"""Every card behind DYNAMICS: asked for by `flexmb new`, accepted by `check`, echoed, documented."""
+"""Every card after DYNAMICS: asked for by `flexmb new`, accepted by `check`, echoed, documented."""
 
 import re
 from pathlib import Path

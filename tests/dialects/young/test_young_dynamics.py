@@ -1,4 +1,4 @@
-"""The cards behind the last number of a YOUNG deck: what is read, and what is said of slips."""
+"""The cards after the last number of a YOUNG deck: what is read, and what is said of slips."""
 
 from pathlib import Path
 
@@ -67,7 +67,7 @@ def test_a_card_behind_end_is_named():
     deck = read("DYNAMICS forward\nMASS 1 2 0 0 0 1 1 1\nEND\nof MASS 1\n SPRING 0 1 0 0 0 1 0 0 5 1\n")
     (warning,) = deck.warnings
     assert warning.place[:2] == (8, 2)
-    assert warning.message == "SPRING stands behind END and is not read: put it before END"
+    assert warning.message == "SPRING stands after END and is not read: put it before END"
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,7 @@ SPHERE = [
 CHAIN = "CORD2R,1,,1.,2.,3.,1.,2.,4.\n,2.,2.,3.\nCORD2R,2,1,0.,0.,1.,0.,0.,2.\n,1.,0.,1.\n"
 SAME_GRIDS = {
     "GRDSET": CORD2R + "GRDSET,,3\n" + bdf_nodes(points=TURNED),
-    "GRDSET behind the points, in fixed fields": ""
+    "GRDSET after the points, in fixed fields": ""
     + bdf_nodes(points=TURNED) + CORD2R + "GRDSET                 3\n",
     "0 that GRDSET does not change": CORD2R + "GRDSET,,3\n" + bdf_nodes(system="0"),
     "CP": CORD2R + bdf_nodes(points=TURNED, system="3"),

@@ -33,7 +33,7 @@ END = 4  # row of `slopes` of the slope at the end of a step
 def new_integration(work, angles, works):
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles.
 
-    The works of the first `works` loads are kept, behind the work of all loads.
+    The works of the first `works` loads are kept, after the work of all loads.
     """
     counted = 2 * work.motions.shape[0] + work.mass.shape[0]
     n = counted + 1 + works

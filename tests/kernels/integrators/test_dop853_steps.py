@@ -14,7 +14,7 @@ END = 2.0
 
 
 def slope(integration, stage, t, longest):
-    """Fill a slope, which steps longer than `longest` have none of behind their first stages."""
+    """Fill a slope, which steps longer than `longest` have none of after their first stages."""
     integration.clock["evaluations"] += 1
     integration.slopes[stage] = -2.0 * t * integration.trial
     return stage < 4 or stage > STAGES or integration.clock["length"][0] <= longest

@@ -171,7 +171,7 @@ def test_stiff_modes_do_not_shorten_the_steps():
 
 
 def test_a_step_that_ends_where_a_pivot_has_vanished_is_tried_again_with_half_its_length():
-    """A pivot below the threshold behind a good step, with none at its start: nothing of it is accepted."""
+    """A pivot below the threshold after a good step, with none at its start: nothing of it is accepted."""
     with interpreting():
         analysis = young_analysis_of(model_of(ROTOR, "0 1 1", "MASS 2 1 0 0 0 1 1 1\nRAD5"))
         analysis.start()

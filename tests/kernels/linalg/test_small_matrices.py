@@ -23,7 +23,7 @@ def blank_factors(m, n):
 
 
 def matrix_of(factors, rank, n):
-    """L below the diagonal, U and what stands behind it, of the first `rank` rows."""
+    """L below the diagonal, U and what stands after it, of the first `rank` rows."""
     found = np.zeros((rank, n))
     for i, (first, _, _, end) in enumerate(factors.ends[:rank]):
         found[i, factors.places[first:end]] = factors.values[first:end]
@@ -99,7 +99,7 @@ def sparse_rows(random, columns, n):
 
 
 def product_of(factors, rank):
-    """What elimination has taken apart: L U, the free columns behind."""
+    """What elimination has taken apart: L U, the free columns after."""
     lower = np.tril(factors[:rank, :rank], -1) + np.eye(rank)
     return lower @ np.triu(factors[:rank])
 

@@ -43,7 +43,7 @@ def test_the_echo_is_read_by_its_tags(title, expected):
 
 @pytest.mark.parametrize("path", sorted(PUBLISHED.glob("*.OUT")), ids=lambda path: path.stem)
 def test_every_line_of_the_echoes_is_read(path):
-    """All lines but the headings, and of these lines everything behind the tag."""
+    """All lines but the headings, and of these lines everything after the tag."""
     listing = parse_echo(path.name, path.read_text())
     lines = [line for line in path.read_text().splitlines() if line and not line.startswith("DFMB")]
     assert len(listing.echo) == len(lines)

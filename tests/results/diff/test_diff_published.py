@@ -30,7 +30,7 @@ def differing(a, b):
 
 
 def changed(word, place):
-    """The number with another digit: the last one, or the first that is not behind it."""
+    """The number with another digit: the last one, or the first that is not after it."""
     digits = [n for n, char in enumerate(word) if char.isdigit()]
     at = digits[place]
     digit = "8" if word[at] == "9" else str(int(word[at]) + 1)

@@ -88,7 +88,7 @@ def test_the_legend_of_the_page_has_the_largest_values_of_all_rows(browser, path
     browser.get((tmp_path / "r.html").as_uri())
     wait(lambda: browser.execute_script("return window.flexmb && window.flexmb.ready"))
     assert part(browser, "legend-text").text == "von Mises stress, 0 to 250 kPa"
-    # What the pointer says of a node behind its number: the stress of the first row.
+    # What the pointer says of a node after its number: the stress of the first row.
     told = browser.execute_script("const v = window.flexmb.viewer; return v.valueAt(v.surfaces[0], 0)")
     assert told == ": 0.250 kPa"
     browser.execute_script("const v = window.flexmb.viewer; v.colouring = 'deformation'; v.show(0)")

@@ -46,7 +46,7 @@ def test_crossing_plates_are_seen_up_to_the_line_in_which_they_meet():
 
 
 def test_a_sphere_behind_a_plate_shows_the_circle_in_which_they_meet():
-    """A sphere of radius 10 whose middle is 6 behind the plate cuts a circle of radius 8 out of it."""
+    """A sphere of radius 10 whose middle is 6 after the plate cuts a circle of radius 8 out of it."""
     middle = np.array([[40.0, 20.0, -6.0]])
     picture = drawn(
         ("triangles", rectangle(0, 80, 0, 40, flat(0.0)), RED[None]), ("tubes", middle, middle, 10.0, GREEN)

@@ -67,7 +67,7 @@ def long_deck(folder):
 
 
 def started(command, **options):
-    """A process in a group of its own that hears Ctrl-C, whatever the shell behind the tests ignores."""
+    """A process in a group of its own that hears Ctrl-C, whatever the shell after the tests ignores."""
     return subprocess.Popen(
         [sys.executable, "-m", "flexmb_cli", *map(str, command)],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,

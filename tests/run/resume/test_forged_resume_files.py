@@ -43,7 +43,7 @@ PLACES = {
     "a rank above the equations": with_number("work/rank", 10**6),
     "a column that no body has": with_first("work/columns", 10**6),
     "places before the first": with_first("work/entries", -3),
-    "places behind the last": with_first("work/entries", 10**6),
+    "places after the last": with_first("work/entries", 10**6),
 }
 CLOCKS = {
     "more components than the state has": with_field("counted", 10**9),

@@ -77,7 +77,7 @@ class FullOnce:
 
 @pytest.mark.parametrize("taken", [0, 40, 10**6])
 def test_a_write_that_failed_leaves_the_state_of_the_rows_before_it(tmp_path, taken):
-    """The state behind the lost rows was kept, and the whole file refused: --resume began anew."""
+    """The state after the lost rows was kept, and the whole file refused: --resume began anew."""
     path, large = tmp_path / "x.resume", np.zeros(1000)
     resume_file = ResumeFile(str(path), {"deck": "x"})
     resume_file.begin([])
@@ -178,7 +178,7 @@ def test_a_damaged_entry_is_told_with_its_place(tmp_path):
 
 @pytest.mark.parametrize("entry", [b"", b"no arrays"])
 def test_an_entry_without_arrays_is_told(tmp_path, entry):
-    """Zeros, as behind a loss of power, are entries without content, and their checksum, 0, is right."""
+    """Zeros, as after a loss of power, are entries without content, and their checksum, 0, is right."""
     path = tmp_path / "x.resume"
     kept(path)
     content = path.read_bytes()

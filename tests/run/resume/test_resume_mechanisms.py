@@ -140,7 +140,7 @@ def state_of(path):
 
 
 def test_a_checkpoint_larger_than_the_rows_is_left_out_until_the_run_ends(tmp_path):
-    """A kill then costs the rows behind the last one, a signal none."""
+    """A kill then costs the rows after the last one, a signal none."""
     path = tmp_path / "x.resume"
     resume_file = ResumeFile(str(path), {})
     resume_file.begin([])

@@ -46,7 +46,7 @@ def test_a_motor_whose_speed_stops_rising_leaves_the_rotor_ringing_as_the_step_r
 
 
 def test_steps_of_generalised_alpha_begin_anew_behind_a_corner():
-    """At the corner the row has the acceleration behind it: the motor's effort falls by that of the arm."""
+    """At the corner the row has the acceleration after it: the motor's effort falls by that of the arm."""
     cards = f"{MASSES}{RATES['ramp']}ELEMENTS\n  DRIVE angle-1 at=1.angle rate=1\nGALF 0 0.9\nTOLERANCE 1e-3"
     rows = rows_of(ARM, f"0 {2 * UNTIL} {UNTIL}", cards)
     angle, speed = rows.joint_coordinate[1, 1], rows.joint_rate[1, 1]
@@ -56,7 +56,7 @@ def test_steps_of_generalised_alpha_begin_anew_behind_a_corner():
 
 @pytest.mark.long_motion
 def test_a_stop_just_at_the_corner_goes_on_to_the_same_numbers():
-    """A checkpoint behind the row at the corner, whose acceleration has jumped."""
+    """A checkpoint after the row at the corner, whose acceleration has jumped."""
     cards = f"{MASSES}{RATES['ramp']}ELEMENTS\n  DRIVE angle-1 at=1.angle rate=1\nGALF 0 0.9\nTOLERANCE 1e-4"
     model = model_of(ARM, f"0 {2 * UNTIL} {UNTIL / 2}", cards)
     whole = np.concatenate([block.joint_coordinate for block in analysis_of(model).rows()])

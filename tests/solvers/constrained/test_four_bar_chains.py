@@ -127,7 +127,7 @@ def inline(count):
     ],
 )
 def test_a_row_in_line_has_the_accelerations_of_the_motion(count, method, tolerance, beside, within):
-    """The twentieth row stands `beside` seconds behind the line: J θ̈ = -g m cos θ, reactions as of no row.
+    """The twentieth row stands `beside` seconds after the line: J θ̈ = -g m cos θ, reactions as of no row.
 
     An earlier version had accelerations 10 times as large and reactions of 5e7 N in such rows, without a
     word, and stopped at them by RAD5.
@@ -159,7 +159,7 @@ def row_in_line(deck, count):
 
 
 def test_no_step_of_given_length_ends_where_round_off_rules():
-    """Step 1000 would end in line: its acceleration was 2000 1/s² off, and all speeds behind it 0.08 1/s."""
+    """Step 1000 would end in line: its acceleration was 2000 1/s² off, and all speeds after it 0.08 1/s."""
     interval = inline(1) / 20.0
     deck = deck_of(1, "GALF", 1e-9, 22.5 * interval, interval)
     found, speed, acceleration, rate = row_in_line(deck.replace("GALF 0 ", f"GALF {interval / 50.0} "), 1)

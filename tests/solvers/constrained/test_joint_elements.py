@@ -404,7 +404,7 @@ def test_a_bushing_ends_a_free_motion_by_every_method_before_its_angles_jump(met
 
 @pytest.mark.parametrize("start, noted", [(0.25, True), (0.05, False)])
 def test_a_stop_that_is_pressed_at_the_start_is_noted_with_depth_and_force(start, noted):
-    """The end of the slide stands 0.15 m behind the stop: 400 N/m · 0.15 m."""
+    """The end of the slide stands 0.15 m after the stop: 400 N/m · 0.15 m."""
     cards = (
         f"{SLID}ELEMENTS\n"
         f"  FUNCTION 1 polynomial {start} 0\n"
@@ -413,8 +413,8 @@ def test_a_stop_that_is_pressed_at_the_start_is_noted_with_depth_and_force(start
     )
     analysis = analysis_of(model_of(SLIDER, "0 1 1", cards))
     analysis.start()
-    found = [fault for fault in analysis.warnings if "behind its limit" in fault.message]
+    found = [fault for fault in analysis.warnings if "beyond its limit" in fault.message]
     assert len(found) == noted
     if noted:
-        assert "0.15 m behind" in found[0].message and "pushes with 60 N;" in found[0].message
+        assert "0.15 m beyond" in found[0].message and "pushes with 60 N;" in found[0].message
         assert (found[0].subject, found[0].place.line) == ("astop-1", 12)

@@ -97,7 +97,7 @@ class Linkage:
         return found
 
     def deck(self, estimates, cards=""):
-        """The text of a YOUNG deck; `cards` stand behind the time."""
+        """The text of a YOUNG deck; `cards` stand after the time."""
         joints = [[joint for joint in self.joints if joint[0] == kind] for kind in ORDER]
         counts = [len(self.bodies), len(self.drivers), 0, *map(len, joints), 0, 0, 0, 1]
         lines = [counts, *([*r, *p] for r, p in estimates)]
@@ -348,7 +348,7 @@ class Judge:
                 add(q[body, direction - 1] - value / self.size, row)
             else:
                 e = np.zeros(3)
-                e[(direction - 3) % 3] = 1.0  # the axis behind the one of the driver
+                e[(direction - 3) % 3] = 1.0  # the axis after the one of the driver
                 wanted = matrix(euler_parameters(np.eye(3)[direction - 4], value)) @ e
                 turned, slope = placed(body, e, False)
                 add(turned - wanted, slope)

@@ -57,7 +57,7 @@ class Parallelogram:
         lines += [f"3,0,0,0,0,0,{self.speed}", "NODE", *nodes, "JOIN", "1,REVO,0,1,2,1,1,2"]
         lines += ["2,REVO,1,3,4,2,1,2", "3,REVO,2,3,4,3,3,4", "4,REVO,0,3,4,3,1,2"]
         lines += ["TIME", "6,0.05", "INTG", "RAD5,1e-6", "END", "STAR", "STOP"]
-        # Data stand behind a blank.
+        # Data stand after a blank.
         text = "".join(f" {line}\n" if "," in line else f"{line}\n" for line in lines)
         found, _ = flexible_mechanism(build(text), cached=False)
         time = TimeGrid(0.0, end, end / ROWS)

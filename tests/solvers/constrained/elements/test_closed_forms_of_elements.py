@@ -90,7 +90,7 @@ def test_a_motor_against_a_damper_reaches_its_speed_exponentially(deck, mass, in
     assert rows.joint_rate[:, 0] == pytest.approx(torque / c * (1 - fall), abs=2e-10)
     wanted = torque / c * (rows.time - inertia / c * (1 - fall))
     assert rows.joint_coordinate[:, 0] == pytest.approx(wanted, abs=2e-10)
-    # The motor stands behind all other elements.
+    # The motor stands after all other elements.
     assert rows.element_effort[:, -1] == pytest.approx(np.full(5, torque), rel=1e-15)
     assert rows.element_power[:, -1] == pytest.approx(torque * rows.joint_rate[:, 0], rel=1e-13)
 
