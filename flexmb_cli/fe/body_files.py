@@ -6,23 +6,33 @@ from typing import Any
 from ..model.diagnostics import Findings
 from ..model.flexible_body import FEFile, FlexibleInput
 from .elements.assembled_matrices import element_matrix
+from .elements.beams import matrix_of_beams
 from .elements.body_elements import element_table
-from .formats.formats import OF_ELEMENTS, read_matrix
+from .formats.formats import OF_BEAMS, OF_ELEMENTS, read_matrix
 from .formats.matrix_file import FEFileFault, MatrixFile
+from .interface_nodes import tied
 
 
 def matrix_file(given: Any, file: FEFile, letter: str, findings: Findings) -> MatrixFile | None:
     """The matrix of a file, or of the elements in its place; None with a fault noted."""
-    mapping = given.mapping
+    whole = given.whole or given
     try:
-        if file.form == OF_ELEMENTS:
-            table = element_table(given, given.material.file, given.positions, findings)
-            return element_matrix(given, table, letter) if table else None
-        path, form = (mapping.path, mapping.form) if mapping else (None, "")
-        return read_matrix(file.path, file.form, letter, path, form, file.matrix)
+        matrix = _matrix(whole, file, letter, findings)
+        return matrix and tied(matrix, whole)
     except FEFileFault as fault:
         findings.error(given.name, str(fault), file.place, id=fault.id)
         return None
+
+
+def _matrix(given: Any, file: FEFile, letter: str, findings: Findings) -> MatrixFile | None:
+    """The matrix of all nodes that the files have; None with a fault noted.  Raises FEFileFault."""
+    if file.form == OF_BEAMS:
+        return matrix_of_beams(given.material, letter)
+    if file.form == OF_ELEMENTS:
+        table = element_table(given, given.material.file, given.positions, findings)
+        return element_matrix(given, table, letter) if table else None
+    path, form = (given.mapping.path, given.mapping.form) if given.mapping else (None, "")
+    return read_matrix(file.path, file.form, letter, path, form, file.matrix)
 
 
 def arranged(

@@ -10,7 +10,7 @@ import hashlib
 import io
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,7 @@ from ..model.diagnostics import Findings
 from ..model.flexible_body import BodyMesh, BodyStress, Dropped, ElementMaterial, FlexibleBody, FlexibleInput
 from .formats.formats import content_of
 from .formats.matrix_file import FEFileFault
+from .interface_nodes import own_input, with_interface_nodes
 
 # To be raised when the arrays, or how they are computed, change.
 LAYOUT = 18
@@ -63,6 +64,7 @@ def key_of(given: FlexibleInput) -> str:
         given.mesh,
         *(load.file for load in given.unit_loads),
     ]
+    files += [given.damping_matrix] * (given.damping_matrix is not None)
     files += [material.file for material in (given.stiffening, given.material) if material]
     for file in files:
         digest.update(f"|{file.form}{file.matrix and ' ' + file.matrix}".encode() if file else b"|none")
@@ -70,10 +72,18 @@ def key_of(given: FlexibleInput) -> str:
             digest.update(hashlib.sha256(_content(file)).digest())
     digest.update(np.ascontiguousarray(given.numbers, dtype="<i8").tobytes())
     digest.update(np.ascontiguousarray(given.positions, dtype="<f8").tobytes())
-    if given.axes is not None:
-        digest.update(np.ascontiguousarray(given.axes, dtype="<f8").tobytes())
+    for array in _further_arrays(given):
+        digest.update(np.ascontiguousarray(array, dtype="<f8").tobytes())
     digest.update(_settings(given).encode())
     return digest.hexdigest()
+
+
+def _further_arrays(given: FlexibleInput) -> Iterator[np.ndarray]:
+    """Yield displacement axes and interface nodes, which few bodies have."""
+    if given.axes is not None:
+        yield given.axes
+    for one in given.interfaces:
+        yield np.array([one.node, *one.position, one.rigid, one.turns, *one.members, *one.weights])
 
 
 def _content(file: Any) -> bytes:
@@ -215,7 +225,7 @@ def flexible_body(given: FlexibleInput, cached: bool = True) -> tuple[FlexibleBo
     from .reduction import reduced_body
 
     findings = Findings()
-    body = reduced_body(given, findings)
+    body = with_interface_nodes(reduced_body(own_input(given), findings), given, findings)
     if body is None or any(fault.severity == "error" for fault in findings.faults):
         raise ModelError(findings.in_order)
     if cached:

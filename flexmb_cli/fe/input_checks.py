@@ -132,6 +132,21 @@ def check_rigid_motions(given: FlexibleInput, K: np.ndarray, file: MatrixFile, f
     return residual
 
 
+def check_damping(given: FlexibleInput, B: np.ndarray, motions: np.ndarray, findings: Findings) -> None:
+    """Viscous damping must not resist the rigid `motions` (rows, 6): forces on them would be from nowhere."""
+    place = given.damping_matrix.place if given.damping_matrix else given.place
+    residual = np.abs(B @ motions).max() / _largest(B)
+    if not residual <= RIGID_ERROR:
+        message = (
+            f"the damping matrix resists rigid motion by {residual:.1e} of the largest entry: is it "
+            "mass-proportional, or to ground? give alpha on DAMP, or dampers in joints"
+        )
+        findings.error(given.name, message, place, id="FE-302")
+    if not B.diagonal().min() >= 0.0:
+        message = "the damping matrix has a negative diagonal entry: damping that feeds energy in"
+        findings.error(given.name, message, place, id="FE-303")
+
+
 def _few_digits(given: FlexibleInput, residual: float, digits: int) -> str:
     remedy = "at least ten"
     if given.stiffness.form == "DMIG":

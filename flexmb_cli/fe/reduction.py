@@ -16,7 +16,14 @@ from .elements.body_elements import FOREIGN, element_mesh, element_table, foreig
 from .elements.element_stiffness import initial_stress_matrix, matching_elements
 from .elements.stress_shapes import body_stress
 from .formats.formats import OF_ELEMENTS, OF_MODES
-from .input_checks import check_matrices, check_reference, is_condensed, scalar_mass
+from .input_checks import (
+    check_damping,
+    check_matrices,
+    check_reference,
+    is_condensed,
+    rigid_motions,
+    scalar_mass,
+)
 from .invariants import effective_masses, inertia_invariants
 from .linear_algebra import Matrix, in_three_directions, turned
 from .modal_body import modal_body
@@ -94,7 +101,8 @@ def _body(
         Phi,
         **invariants,
         Kr=np.diag(basis.values),
-        Dr=modal_damping(given, invariants["Mff"], basis.values),
+        Dr=modal_damping(given, invariants["Mff"], basis.values)
+        + _damping_of_file(given, matrices, _in_axes_of_table(frame, Phi), findings),
         KG=_geometric(given, matrices, frame, Phi, findings),
         frequencies=np.sqrt(np.maximum(basis.values, 0.0)) / math.tau,
         frequency_errors=doubtful_frequencies(
@@ -114,6 +122,22 @@ def _body(
         stress=given.material and body_stress(given, matrices.K, invariants["m"], frame, Phi, findings),
         mesh=element_mesh(given),
     )
+
+
+def _damping_of_file(
+    given: FlexibleInput, matrices: _Matrices, shapes: np.ndarray, findings: Findings
+) -> np.ndarray | float:
+    """Phi' B Phi of the damping matrix, `shapes` (3 n, N) in axes of the table; 0 without one."""
+    file: Any = given.damping_matrix and matrix_file(given, given.damping_matrix, "B", findings)
+    if file is None or given.damping_matrix is None:
+        return 0.0
+    arrange = partial(nodal_part, stiffness=matrices.of_stiffness)
+    B: Any = arranged(given, given.damping_matrix, file, arrange, findings)
+    if B is None:
+        return 0.0
+    centred = given.positions - given.positions.mean(axis=0)
+    check_damping(given, B.matrix, rigid_motions(centred / np.abs(centred).max()), findings)
+    return np.asarray(shapes.T @ (B.matrix @ shapes))
 
 
 def _in_axes_of_table(frame: Frame, Phi: np.ndarray) -> np.ndarray:

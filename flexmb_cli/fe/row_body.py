@@ -11,7 +11,9 @@ from .body_basis import Basis, basis_of
 from .body_figures import completed_mass, doubtful_frequencies, effective_limit, modal_damping
 from .body_files import matrix_file
 from .estimated_moments import rigid_mass, row_invariants
+from .formats.formats import OF_BEAMS, OF_ELEMENTS
 from .formats.matrix_file import FEFileFault, MatrixFile
+from .input_checks import check_damping
 from .invariants import effective_masses
 from .nodal_matrices import NodalMatrix
 from .reference_frame import Frame, as_solved, origin_and_axes
@@ -42,7 +44,7 @@ def row_body(
 def _check_settings(given: FlexibleInput, matrices: RowMatrices, findings: Findings) -> None:
     """Refuse settings that need elements, or rows that the body lacks."""
     rows = matrices.rows
-    if given.stiffening or given.material:
+    if given.stiffening or (given.material and given.mass.form not in (OF_BEAMS, OF_ELEMENTS)):
         message = (
             "stresses, and stiffening by elements, need full matrices of solid elements; these have "
             "rotations, modal rows or a condensed mass: remove MATL, and give geometric stiffness by FEMG"
@@ -121,7 +123,8 @@ def _body(
         Phi,
         **invariants,
         Kr=np.diag(basis.values),
-        Dr=modal_damping(given, invariants["Mff"], basis.values),
+        Dr=modal_damping(given, invariants["Mff"], basis.values)
+        + _damping_of_file(given, as_filed.rows, B @ shapes, findings),
         KG=_given_stiffening(given, as_filed.rows, frame, B @ shapes, findings),
         frequencies=np.sqrt(np.maximum(basis.values, 0.0)) / math.tau,
         frequency_errors=doubtful_frequencies(given, of_stiffness, of_mass, solved, basis, findings),
@@ -146,6 +149,24 @@ def _nodal_shapes(own: RowMatrices, shapes: np.ndarray) -> tuple[np.ndarray, np.
         if node in turns:
             Psi[3 * k : 3 * k + 3] = shapes[turns[node]]
     return nodes, Phi, Psi
+
+
+def _damping_of_file(
+    given: FlexibleInput, rows: Rows, shapes: np.ndarray, findings: Findings
+) -> np.ndarray | float:
+    """Phi' B Phi of the damping matrix, `shapes` (k, N): rows; 0 without one."""
+    file: Any = given.damping_matrix and matrix_file(given, given.damping_matrix, "B", findings)
+    if file is None or given.damping_matrix is None:
+        return 0.0
+    size = np.abs(rows.positions).max()
+    try:
+        matrix = in_rows(given.damping_matrix.path.name, file, given.numbers, rows.labels)[0]
+    except FEFileFault as fault:
+        findings.error(given.name, str(fault), given.damping_matrix.place, id=fault.id)
+        return 0.0
+    motions = rows.rigid / np.array([1.0, 1.0, 1.0, size, size, size])
+    check_damping(given, matrix, motions, findings)
+    return np.asarray(shapes.T @ matrix @ shapes)
 
 
 def _given_stiffening(

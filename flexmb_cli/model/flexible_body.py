@@ -55,6 +55,23 @@ class ElementMaterial:
 
 
 @dataclass(frozen=True)
+class InterfaceNode:
+    """A node at `position`, m in the axes of the node table, that is coupled to others (RBE2, RBE3).
+
+    `rigid`: it carries its `members` rigidly, with their rotations if it `turns` them; otherwise its
+    translation and rotation are the means of theirs by `weights`, and forces and moments on it are spread.
+    """
+
+    node: int
+    position: np.ndarray  # (3,)
+    rigid: bool
+    members: tuple[int, ...]
+    weights: tuple[float, ...]
+    turns: bool = True
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
 class FlexibleInput:
     """Data of a deck about a flexible body; nodes by their numbers in the table.
 
@@ -86,6 +103,9 @@ class FlexibleInput:
     mesh: FEFile | None = None
     axes: np.ndarray | None = None  # (n, 3, 3) displacement axes in columns; None: those of the table
     ratios: tuple[tuple[float, float], ...] = ()
+    interfaces: tuple[InterfaceNode, ...] = ()
+    damping_matrix: FEFile | None = None  # of viscous damping
+    whole: "FlexibleInput | None" = None  # with the nodes that `interfaces` replace, as the files have them
 
 
 @dataclass(frozen=True)

@@ -199,13 +199,57 @@ def _modal(draw):
     return lines
 
 
+def _user_element(draw):
+    """A substructure of Abaqus, or of CalculiX, which names a node for every row."""
+    n = draw(sizes)
+    lines = [f"*USER ELEMENT, NODES={n}, LINEAR", "** ELEMENT NODES"]
+    lines += ["** " + ", ".join(str(draw(indices)) for _ in range(draw(st.integers(0, 3))))]
+    words = st.sampled_from(("1, 2, 3", "1", "2, 2", "3, 4, 5, 6", "1, 7", "x"))
+    lines += [draw(words) for _ in range(draw(st.integers(1, 3)))]
+    for kind in draw(st.lists(st.sampled_from(("STIFFNESS", "MASS", "DAMPING")), max_size=2)):
+        lines += [f"*MATRIX,TYPE={kind}", *_rows(draw, reals, reals, separator=",")]
+    return lines
+
+
+def _order(draw):
+    components = mostly(st.sampled_from(("123456", "0", "2", "")), small)
+    return [*_bulk(draw, "EXTRN", *(draw(st.integers(1, 5)) * (indices, components))), *_nodes_bdf(draw)]
+
+
+def _couplings_bdf(draw):
+    components = mostly(st.sampled_from(("123456", "123")), small)
+    rigid = (indices, indices, components, *(draw(st.integers(0, 7)) * (indices,)))
+    mean = (indices, st.just(""), indices, components, reals, components, indices, reals, components, indices)
+    return [*_bulk(draw, "RBE2", *rigid), *_bulk(draw, "RBE3", *mean), *_nodes_bdf(draw)]
+
+
+def _couplings_inp(draw):
+    name = st.sampled_from(("N", "M", "1", "x"))
+    keywords = (
+        "*RIGID BODY, NSET=N, REF NODE=1",
+        "*KINEMATIC COUPLING, REF NODE=1",
+        "*ELEMENT, TYPE=DCOUP3D, ELSET=E",
+        "*DISTRIBUTING COUPLING, ELSET=E",
+        "*COUPLING, REF NODE=1",
+        "*NSET, NSET=N",
+        "*NSET, NSET=M, GENERATE",
+    )
+    lines = []
+    for keyword in draw(st.lists(st.sampled_from(keywords), max_size=5)):
+        lines += [keyword, *_rows(draw, mostly(indices, name), indices, indices, separator=",", most=2)]
+    return lines
+
+
 GRAMMARS = {
     "matrix MM": _matrix_market,
-    "matrix ABQ": _abaqus,
+    "matrix ABQ": lambda draw: (_abaqus if draw(st.booleans()) else _user_element)(draw),
     "matrix DMIG": _dmig,
     "matrix OP4": lambda draw: (_op4_text if draw(st.booleans()) else _op4_binary)(draw),
     "mapping ANS": _mapping,
     "mapping CCX": _dofs,
+    "mapping BDF": _order,
+    "couplings BDF": _couplings_bdf,
+    "couplings INP": _couplings_inp,
     "nodes TXT": _nodes_txt,
     "nodes FEM": _modal,
     "matrix FEM": _modal,

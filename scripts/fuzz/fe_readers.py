@@ -7,10 +7,19 @@ from pathlib import Path
 
 from flexmb_cli.fe.formats.calculix import read_calculix, read_dofs
 from flexmb_cli.fe.formats.connectivity import read_elements
+from flexmb_cli.fe.formats.couplings import read_coupling
 from flexmb_cli.fe.formats.formats import read_matrix
 from flexmb_cli.fe.formats.harwell_boeing import read_harwell_boeing, read_mapping
 from flexmb_cli.fe.formats.matrix_file import FEFileFault
+from flexmb_cli.fe.formats.nastran import row_order
 from flexmb_cli.fe.formats.node_table import read_node_table
+
+
+def read_couplings(path: Path, form: str) -> None:
+    """Read what the file couples to node 1, rigidly, and in the mean."""
+    for rigid in (True, False):
+        read_coupling(path, form, 1, rigid)
+
 
 READERS: dict[str, Callable[[Path], object]] = {
     **{
@@ -21,6 +30,8 @@ READERS: dict[str, Callable[[Path], object]] = {
     "matrix CCX": read_calculix,
     "mapping ANS": read_mapping,
     "mapping CCX": read_dofs,
+    "mapping BDF": row_order,
+    **{f"couplings {form}": lambda p, form=form: read_couplings(p, form) for form in ("INP", "BDF")},
     **{
         f"nodes {form}": lambda p, form=form: read_node_table(p, form)
         for form in ("TXT", "CDB", "INP", "BDF", "FEM")

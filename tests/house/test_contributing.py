@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 import pytest
 
+from flexmb_cli.dialects.vsdf.form import NEWER
 from tests.dialects.dafms.test_dafms_elements import TWO_LINKS, deck
 from tests.house.contributions import (
     BEAD,
@@ -233,7 +234,9 @@ def test_answers_written_before_there_were_cards_still_give_a_deck(copy, flexmb)
     script, command = written.partition("\n```")[0].split(" > answers\n$ ")
     answers = subprocess.run(script, shell=True, text=True, capture_output=True, timeout=120).stdout
     assert command == "flexmb new vsdf -o - < answers | flexmb check - -q"
-    for more, words in (("", []), ("\n1 1\n1 3 6\n9.5\n", ["PAYL", "DOWN"])):
+    # PAYL stands after FEMD, the first of the cards that are as young, DOWN after all of them.
+    counts = f"0 1{' 0' * (len(NEWER) - 1)} 1"
+    for more, words in (("", []), (f"\n{counts}\n1 3 6\n9.5\n", ["PAYL", "DOWN"])):
         typed = flexmb("new", "vsdf", "-o", "-", answers=answers + more)
         assert [word for word in typed.split() if word in ("PAYL", "DOWN")] == words
         (copy / "typed.vsdf").write_text(typed)

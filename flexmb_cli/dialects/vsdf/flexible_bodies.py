@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 from ...deck.many_records import DeckValues
 from ...deck.record import Record
-from ...fe.formats.formats import FORMS_WITH_ELEMENTS, OF_ELEMENTS, TAKES_MAPPING
+from ...fe.formats.beam_elements import has_beams
+from ...fe.formats.formats import FORMS_WITH_ELEMENTS, OF_BEAMS, OF_ELEMENTS, TAKES_MAPPING
 from ...fe.formats.matrix_file import FEFileFault
 from ...fe.formats.node_table import NodeTable, read_node_table
 from ...model.diagnostics import Findings
 from ...model.fe_model import VsdfBody
 from ...model.flexible_body import ElementMaterial, FEFile, FlexibleInput, UnitLoad
 from .cards.bodies import MATRIX_SECTIONS
+from .interface_nodes import carrying_arms, check_uses, interface_nodes
 from .nodes import arms_of, members_of, sets_of
 
 if TYPE_CHECKING:
@@ -39,8 +41,16 @@ def matrices_of_elements(values: DeckValues, k: int, files: dict[str, Any]) -> d
     given = files["mass_matrix"] or files["stiffness_matrix"]
     if record is None or not record.at("rho").text or given or table is None:
         return {}
-    elements = FEFile(table.path, OF_ELEMENTS, record.place)
+    elements = FEFile(table.path, _form_of_elements(table), record.place)
     return {"mass_matrix": elements, "stiffness_matrix": elements}
+
+
+def _form_of_elements(file: FEFile) -> str:
+    """Return whether beams alone are meant, or solid elements, whose reader reports what it cannot read."""
+    try:
+        return OF_BEAMS if file.form == "BDF" and has_beams(file.path) else OF_ELEMENTS
+    except FEFileFault:
+        return OF_ELEMENTS
 
 
 def stress_material(values: DeckValues, k: int, file: FEFile, findings: Findings) -> ElementMaterial | None:
@@ -97,8 +107,8 @@ def _material(record: Record, file: FEFile, findings: Findings, density: float =
 
 
 _MATRICES = {"mass_matrix": "FEMM", "stiffness_matrix": "FEMK"}
-_WORDS = _MATRICES | {"unit_load": "FEMG"}
-_FILES = ("node_table", *_MATRICES, "mapping")
+_WORDS = _MATRICES | {"unit_load": "FEMG", "damping_matrix": "FEMD"}
+_FILES = ("node_table", *_MATRICES, "damping_matrix", "mapping")
 _LISTS = ("clamped", "attachment", "interface")
 
 
@@ -121,6 +131,8 @@ def flexible_body(
         return VsdfBody(record.subject, **pose)
     nodes = dict(zip(map(int, table.numbers), table.positions, strict=True))
     sets = sets_of(values, k, nodes, findings)
+    interfaces = interface_nodes(values, k, nodes, sets, nodes_file, findings)
+    nodes |= {one.node: one.position for one in interfaces}
     given = FlexibleInput(
         record.subject,
         mass,
@@ -137,11 +149,14 @@ def flexible_body(
         material=stress_material(values, k, nodes_file, findings),
         place=record.place,
         mesh=mesh_file(values, k, nodes_file),
-        axes=None if mass.form == stiffness.form == OF_ELEMENTS else table.axes,
         ratios=_ratios(values, k, findings),
+        interfaces=interfaces,
+        damping_matrix=files["damping_matrix"],
+        axes=None if mass.form in (OF_ELEMENTS, OF_BEAMS) else table.axes,
     )
     stiffened = _stiffened(values.record("stiffening", k), given, findings)
-    arms = arms_of(values, k, nodes, sets, findings)
+    arms = arms_of(values, k, nodes, sets, findings) | carrying_arms(interfaces, nodes)
+    check_uses(k, given, sets, findings)
     return VsdfBody(
         record.subject, **pose, flexible=given, nodes=nodes, sets=sets, arms=arms, stiffened=stiffened
     )

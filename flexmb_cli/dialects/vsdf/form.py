@@ -36,7 +36,7 @@ COUNTED = _cards(
 )
 ADDED = _cards("GEOM GSTL FEMX ELMT")
 _ASKED = (*_SINGLE, *COUNTED, *ADDED, *_OF_BODIES.values())
-_NEW = [card for card in (*BODY_CARDS, *JOINT_AND_LOAD_CARDS, *ANALYSIS_CARDS) if card not in _ASKED]
+NEWER = [card for card in (*BODY_CARDS, *JOINT_AND_LOAD_CARDS, *ANALYSIS_CARDS) if card not in _ASKED]
 
 
 class VsdfForm(Form):
@@ -61,8 +61,8 @@ class VsdfForm(Form):
             yield _entry(card, 0, most)
         yield from _counted_cards("more", "shapes and further cards", ADDED, most)
         yield from element_entries()
-        if _NEW:
-            yield from _counted_cards("new", "newer cards", _NEW, most)
+        if NEWER:
+            yield from _counted_cards("new", "newer cards", NEWER, most)
 
     def lines(self, records: Sequence[Record]) -> list[Line]:
         """A keyword before the records of its card; what the fields are stands in a comment."""

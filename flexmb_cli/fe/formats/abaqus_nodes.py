@@ -27,6 +27,15 @@ _REFUSED = dict.fromkeys(_HIDDEN, _UNREAD) | {
 
 def abaqus_nodes(path: Path) -> list[Node]:
     """Return number, position and line of every node, in the order of the file.  Raises FEFileFault."""
+    return _read(path).found
+
+
+def node_sets(path: Path) -> Callable[[str], list[int]]:
+    """Return a function that gives the nodes, ascending, of a set by its name.  Raises FEFileFault."""
+    return _read(path).members
+
+
+def _read(path: Path) -> "_Nodes":
     nodes = _Nodes()
     for block in blocks(path):
         first = block.keyword.partition(" ")[0]
@@ -37,7 +46,7 @@ def abaqus_nodes(path: Path) -> list[Node]:
     unplaced = [name for name, part in nodes.parts.items() if name and part]
     if nodes.placed and unplaced:
         raise FEFileFault(f"{path.name}: part {unplaced[0]} has no instance; remove the part", id="FE-164")
-    return nodes.found
+    return nodes
 
 
 class _Nodes:

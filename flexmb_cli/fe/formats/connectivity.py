@@ -22,7 +22,7 @@ COUNTS = (4, 8, 10, 20)
 _KNOWN = "tetrahedra of 4 or 10 and hexahedra of 8 or 20 nodes"
 _INP_TYPE = re.compile(r"C3D(4|8|10|20)[A-Z]*")
 # Lines and surfaces that mesh programs write beside the solid elements.
-_INP_FLAT = re.compile(r"(T[23]D|B[23]|CPS|CPE|CAX|SFM3D|M3D|R[23]D|S(?=\d)|STRI)\d+[A-Z]*")
+_INP_FLAT = re.compile(r"(T[23]D|B[23]|CPS|CPE|CAX|SFM3D|M3D|R[23]D|S(?=\d)|STRI)\d+[A-Z]*|DCOUP3D")
 _CDB_FORMAT = re.compile(r"\(\s*\d+i(\d{1,3})(?!\d)", re.IGNORECASE)
 # In EBLOCK eleven integers precede the nodes, the ninth of which counts them.
 _CDB_HEAD, _CDB_COUNT = 11, 8

@@ -10,13 +10,13 @@ from flexmb_cli.deck.text import decode, read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.vsdf.build import build_vsdf
 from flexmb_cli.dialects.vsdf.cards import CARDS, analysis
-from flexmb_cli.dialects.vsdf.form import ADDED, COUNTED, VsdfForm
+from flexmb_cli.dialects.vsdf.form import ADDED, COUNTED, NEWER, VsdfForm
 from flexmb_cli.model.integrators import METHODS, Integrator
 
 DECKS = sorted((Path(__file__).parents[3] / "decks" / "vsdf").glob("*.vsdf"))
 BY_SECTION = {card.section: card for card in CARDS}
 OF_ONE_BODY = ("FEMN", "RIGI")
-COUNTS_OF = {"counts": COUNTED, "more": ADDED}
+COUNTS_OF = {"counts": COUNTED, "more": ADDED, "new": NEWER}
 
 
 def record_for(deck, entry):
@@ -94,8 +94,8 @@ ROD = [
 
 def test_a_rigid_pendulum_asked_for():
     """2.5 kg hung from the ground by a sphere at node 7; cards and fields as in decks/vsdf/FORMAT.md."""
-    none = " ".join("0" * len(ADDED))
-    dialogue = talk(*ROD, "1 7", "0 0 -9.81", "1 0.1", "", "", "", "", "", none, "")
+    none, newer = (" ".join("0" * len(cards)) for cards in (ADDED, NEWER))
+    dialogue = talk(*ROD, "1 7", "0 0 -9.81", "1 0.1", "", "", "", "", "", none, "", newer)
     assert dialogue.question is None
     lines = [line.strip() for line in dialogue.text.splitlines() if not line.startswith("*")]
     assert lines == [

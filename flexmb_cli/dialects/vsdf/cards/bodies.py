@@ -5,6 +5,7 @@ from ....fe.formats.node_table import READERS
 from ..card import (
     BODY,
     MATRIX_FORMS,
+    Card,
     Column,
     card,
     file_card,
@@ -17,7 +18,15 @@ from ..card import (
 NODE_FORMS = tuple(READERS)
 MAPPING_FORMS = tuple(MAPPING_FORMATS)
 # What a card FEMX names, and the section of the file that holds it.
-MATRIX_SECTIONS = {"M": "mass_matrix", "K": "stiffness_matrix", "KG": "unit_load"}
+MATRIX_SECTIONS = {"M": "mass_matrix", "K": "stiffness_matrix", "KG": "unit_load", "B": "damping_matrix"}
+
+
+def _interface_card(word: str, section: str, subject: str, member: str) -> Card:
+    """A card of a node that is coupled to others; 0 in their place: as in the file of FEMN."""
+    node = whole_column("interface", "number of the node", None)
+    more = whole_column("node", f"{member}, 0: as in the file", None)
+    return card(f"{word} {section} list", subject, BODY, node, more=more, bodies="FLEX")
+
 
 BODY_CARDS = (
     card(
@@ -31,12 +40,13 @@ BODY_CARDS = (
     file_card("FEMN", "node_table", "node table", NODE_FORMS),
     file_card("FEMM", "mass_matrix", "mass matrix", MATRIX_FORMS),
     file_card("FEMK", "stiffness_matrix", "stiffness matrix", MATRIX_FORMS),
+    file_card("FEMD", "damping_matrix", "damping matrix", MATRIX_FORMS),
     file_card("FEMP", "mapping", "equation mapping", MAPPING_FORMS),
     card(
         "FEMX matrix_name list",
         "matrix name {}",
         BODY,
-        word_column("which", "M: of FEMM, K: of FEMK, KG: of FEMG", tuple(MATRIX_SECTIONS)),
+        word_column("which", "M: of FEMM, K: of FEMK, KG: of FEMG, B: of FEMD", tuple(MATRIX_SECTIONS)),
         Column("name", "name of the matrix that is meant in its file", letter="T", skip=1, default=None),
         bodies="FLEX",
     ),
@@ -84,6 +94,8 @@ BODY_CARDS = (
         Column("ratio", "damping ratio of modes of that frequency", default=None),
         bodies="FLEX",
     ),
+    _interface_card("RBE2", "rigid_interface", "rigid interface node {}", "node carried"),
+    _interface_card("RBE3", "mean_interface", "mean interface node {}", "node of the mean"),
     node_list_card("CLMP", "clamped", "clamped nodes"),
     node_list_card("ATTM", "attachment", "attachment nodes"),
     node_list_card("CRBN", "interface", "interface nodes"),
