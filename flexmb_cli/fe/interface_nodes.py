@@ -14,7 +14,7 @@ from ..model.diagnostics import Findings
 from ..model.flexible_body import FlexibleBody, FlexibleInput, InterfaceNode
 from .formats.matrix_file import MODAL, FEFileFault, MatrixFile
 
-# Smallest moment of inertia of a mean's nodes, relative to the largest, that tells a rotation.
+# Smallest moment of inertia of a mean's nodes, relative to the largest, that has a rotation.
 LEAST_INERTIA = 1e-9
 
 

@@ -118,13 +118,7 @@ def flexible_body(
     """Body k of the card `record`; `pose`: its place and first motion, `folder`: where its files are."""
     table = _node_table(values, k, record, folder, findings)
     names = _matrix_names(values, k, findings)
-    files = {name: _file(values.record(name, k), folder, names.get(name, "")) for name in _FILES}
-    files |= matrices_of_elements(values, k, files)
-    for name, word in _MATRICES.items():
-        if files[name] is None:
-            message = f"a FLEX body needs a card {word}{_or_density(values, k, files)}"
-            findings.error(record.subject, message, record.place, id="VSDF-023")
-    _check_mapping(values.record("mapping", k), files, findings)
+    files = _files(values, k, record, folder, names, findings)
     _check_shapes(values, k, findings)
     mass, stiffness, nodes_file = files["mass_matrix"], files["stiffness_matrix"], files["node_table"]
     if table is None or nodes_file is None or mass is None or stiffness is None:
@@ -160,6 +154,20 @@ def flexible_body(
     return VsdfBody(
         record.subject, **pose, flexible=given, nodes=nodes, sets=sets, arms=arms, stiffened=stiffened
     )
+
+
+def _files(
+    values: DeckValues, k: int, record: Record, folder: Path, names: dict[str, str], findings: Findings
+) -> dict[str, Any]:
+    """Return the files of body k by their sections, None of those that the deck does not name."""
+    files = {name: _file(values.record(name, k), folder, names.get(name, "")) for name in _FILES}
+    files |= matrices_of_elements(values, k, files)
+    for name, word in _MATRICES.items():
+        if files[name] is None:
+            message = f"a FLEX body needs a card {word}{_or_density(values, k, files)}"
+            findings.error(record.subject, message, record.place, id="VSDF-023")
+    _check_mapping(values.record("mapping", k), files, findings)
+    return files
 
 
 def _or_density(values: DeckValues, k: int, files: Any) -> str:
