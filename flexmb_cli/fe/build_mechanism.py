@@ -202,7 +202,9 @@ class _Points:
         if not given:
             return given
         curves = tuple(replace(c, P_i=self.point(c.P_i), P_j=self.point(c.P_j)) for c in given.curves)
-        return replace(given, forces=tuple(map(self._attached, given.forces)), curves=curves)
+        generals = tuple(replace(c, P_i=self.point(c.P_i), P_j=self.point(c.P_j)) for c in given.generals)
+        forces = tuple(map(self._attached, given.forces))
+        return replace(given, forces=forces, curves=curves, generals=generals)
 
     def _attached(self, item: Element) -> Element:
         ends = item.measure

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import Place
+from .general_joints import GeneralJoint
 from .joints import JOINT_TYPES, NODE_JOINT_TYPES
 from .laws import Element, Law, is_angle
 from .mechanism import Vector
@@ -247,6 +248,7 @@ class JointElements:
     forces: tuple[Element, ...] = ()  # motors after all others
     couplings: tuple[Coupling, ...] = ()
     composites: tuple[CompositeJoint, ...] = ()
+    generals: tuple[GeneralJoint, ...] = ()
     starts: tuple[JointStart, ...] = ()
     rests: tuple[StartAtRest, ...] = ()
     curves: tuple[Curve, ...] = ()

@@ -71,6 +71,17 @@ NODE_JOINT_TYPES = (
     JointType("spherical-spherical", 0, 1, _P, size=DISTANCE_OF_POINTS, meets=False),
 )
 
+# Joints in lines of the block ELEMENTS, see `general_joints`.
+DIRECTIONS = ("tx", "ty", "tz", "rx", "ry", "rz")  # displacements, then turns
+# Directions that each case leaves free.
+CASES: dict[str, tuple[str, ...]] = {
+    "weld": (),
+    "inline": ("tz", "rx", "ry", "rz"),
+    "inplane": ("tx", "ty", "rx", "ry", "rz"),
+    "parallel": ("tx", "ty", "tz", "rz"),
+}
+CONSTANT_ANGLE = "angle"
+
 # Constraints that are no joints: one equation each, but for the rotational driver, which takes the
 # place of its body's normalisation and has two.
 SIMPLIFIED = JointType("simplified", 7, 1)

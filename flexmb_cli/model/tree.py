@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import Place
+from .general_joints import GeneralJoint
 from .joint_elements import Curve, JointElements
 from .mechanism import TimeGrid, Vector
 from .time_functions import MotionFunction
@@ -130,7 +131,8 @@ class Closure:
 
     The directions are axes of body b, inertial ones for b = -1.  A point is `a_node` of a flexible
     body or, when that is None, `a_point` in the body's axes.  On a `curve` of body b from point b on, the
-    directions 1 and 2 are its normals.
+    directions 1 and 2 are its normals.  Those of a `general` joint are its rows; `turned` (3, 3)
+    takes vectors from the axes of body b to those of body a at the start.
     """
 
     name: str
@@ -143,6 +145,8 @@ class Closure:
     b_point: Vector = (0.0, 0.0, 0.0)
     place: Place | None = None
     curve: Curve | None = None
+    general: GeneralJoint | None = None
+    turned: Any = None
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,8 @@ from ...model.flexible_mechanism import NodePoint
 from ...model.joint_elements import Coupling, JointDriver, JointElements, JointStart
 from ...model.time_functions import MotionFunction
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Closure, Hinge, Tree
-from ...model.tree_as_mechanism.frames import shape_of
+from ...model.tree_as_mechanism.frames import hinge_frames, shape_of
+from ...model.tree_as_mechanism.poses import first_poses
 from ..elements_block.build import BlockBuilder
 from ..elements_block.functions import Functions
 from ..elements_block.line import ElementLine
@@ -32,17 +33,37 @@ def with_elements(tree: Tree, lines: Sequence[Any], folder: Path, findings: Find
     functions.note_unused()
     _refuse_prescribed(tree, elements, findings)
     forces = (*tree.elements.forces, *elements.forces)
-    closures = (*tree.closures, *_closures(tree, elements, findings))
-    tree = replace(
-        tree,
-        elements=replace(elements, forces=forces, starts=()),
-        closures=closures,
-        **_start(tree, elements),
-    )
+    started = replace(tree, **_start(tree, elements))
+    closures = (
+        *tree.closures, *_held_ends(started, elements), *_closures(tree, elements, findings),
+    )  # fmt: skip
+    tree = replace(started, elements=replace(elements, forces=forces, starts=()), closures=closures)
     for item in elements.couplings:
         if not item.function:
             _check_speeds(tree, item, findings)
     return tree
+
+
+def _held_ends(tree: Tree, elements: JointElements) -> Iterator[Closure]:
+    """Yield the closures of general joints, whose axes coincide at the start of the tree."""
+    if not elements.generals:
+        return
+    poses = first_poses(tree, hinge_frames(tree))
+    for joint in elements.generals:
+        of_i, of_j = (np.eye(3) if body == INERTIAL else poses[body].A for body in (joint.i, joint.j))
+        yield Closure(
+            joint.name,
+            joint.j,
+            joint.i,
+            tuple(range(1, joint.rows + 1)),
+            _node_of(tree, joint.P_j),
+            _node_of(tree, joint.P_i),
+            a_point=tuple(joint.P_j.r0),
+            b_point=tuple(joint.P_i.r0),
+            place=joint.place,
+            general=joint,
+            turned=of_j.T @ of_i,
+        )
 
 
 def _closures(tree: Tree, elements: JointElements, findings: Findings) -> Iterator[Closure]:
@@ -144,9 +165,13 @@ class _Measures(Measures):
         P_i, P_j = self._end(line, "from", i, "end a"), self._end(line, "to", j, "end b")
         return None if P_i is None or P_j is None else (i, j, P_i, P_j)
 
+    def is_rigid(self, line: ElementLine, body: int, key: str) -> bool:
+        """Return whether an end keeps its place and attitude in a body: nodes do not."""
+        return f"{key}.node" not in line
+
     def turns(self, line: ElementLine, body: int) -> bool:
         """Return whether the end `to` turns with its body: nodes have no attitude."""
-        return "to.node" not in line
+        return self.is_rigid(line, body, "to")
 
     def _end(self, line: ElementLine, key: str, body: int, name: str) -> Any:
         elastic = self.bodies[body].elastic if body != INERTIAL else None

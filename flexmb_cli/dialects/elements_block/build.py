@@ -32,10 +32,11 @@ from ...model.laws import (
 from ...model.time_functions import PERIODIC
 from .contacts import touch_of
 from .functions import Functions
+from .general_joints import general_joint
 from .line import MASS, OUTPUT, UNITS, ElementLine
 from .measures import Measures
 from .signals import built_signals
-from .words import BY_WORD, key_of, usage
+from .words import BY_WORD, GENERAL_KEYS, key_of, usage
 
 _MANY = ("from.last", "from.last_node", "to.last", "to.last_node")  # keys of ends that are several
 _OF_CAMS = ("from", "to", "function", "stiffness", "damping", "lower", "upper")  # keys of COUPLING
@@ -76,6 +77,8 @@ class BlockBuilder:
 
     def _element(self, line: ElementLine, more: Makers) -> tuple[str, Any]:
         """Field of `JointElements`, and an element; None where there is a fault."""
+        if line.word == "JOINT" and line.kind in GENERAL_KEYS:
+            return "generals", general_joint(line, self.measures)
         if line.word in more:
             return more[line.word](self, line) or ("", None)
         if BY_WORD[line.word].law is not None:

@@ -33,6 +33,10 @@ class Measures(ABC):
     def ends(self, line: ElementLine) -> tuple[int, int, Any, Any] | None:
         """Bodies i and j, -1 being the ground, and the ends on them."""
 
+    def is_rigid(self, line: ElementLine, body: int, key: str) -> bool:
+        """Return whether the end `key` keeps its place and attitude in a body: points do."""
+        return True
+
     def turns(self, line: ElementLine, body: int) -> bool:
         """Return whether the end `to`, on a body, turns with it: points do."""
         return True

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from ...deck.expansion.expressions import FORMULA
 from ...deck.units import UNITS as SYSTEMS
+from ...model.joints import CONSTANT_ANGLE, DIRECTIONS
 from ...model.laws import FUNCTIONS, LAWS, PAIRS, REQUIRED, VECTOR, At, Joint, Law, Parameter, Push, Touch
 from .line import MASS, OUTPUT, UNITS
 
@@ -67,6 +68,13 @@ OUTPUTS: dict[str, tuple[str, str, bool, tuple[str, ...]]] = {
 }
 # Of lines MASS, besides the primitives of cards GEOM.
 POINT, STL = "point", "stl"
+# Keys of general joints: those that must be given, those that may.
+GENERAL_KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "general": ((), ("free", "axis_from", "across")),
+    "weld": ((), ()),
+    **dict.fromkeys(("inline", "inplane", "parallel"), (("axis_from",), ())),
+    CONSTANT_ANGLE: (("axis_from", "axis_to"), ()),
+}
 LINKS = {"revcyl": ("axis_from", "axis_to"), "revsph": ("axis_from", "length"), "sphsph": ("length",)}
 
 
@@ -254,14 +262,18 @@ WORDS = (
     ),
     BlockWord(
         "JOINT",
-        "joint with a massless link",
+        "joint with a massless link, or one that holds some of six directions",
         (
             *_ENDS,
-            Key("axis_from", "axis of the revolute joint, axes of the first body", VECTOR, units=("m", "m")),
-            Key("axis_to", "axis of the cylindrical joint, axes of the second", VECTOR, units=("m", "m")),
+            Key("axis_from", "axis in the first body: of the revolute joint, or z of the directions", VECTOR,
+                units=("m", "m")),
+            Key("axis_to", "axis in the second body, of the cylindrical joint or at a constant angle", VECTOR,
+                units=("m", "m")),
             Key("length", "length of the link", units=("m", "m")),
+            Key("free", f"directions of a general joint that are free: {', '.join(DIRECTIONS)}", SIGNALS),
+            Key("across", "x of the directions, axes of the first body", VECTOR, units=("m", "m")),
         ),
-        kinds=tuple(LINKS),
+        kinds=(*LINKS, *GENERAL_KEYS),
     ),
     BlockWord(
         MASS,

@@ -221,6 +221,10 @@ class _Measures(JointMeasures):
             return None
         return a.body, b.body, a, b
 
+    def is_rigid(self, line: ElementLine, body: int, key: str) -> bool:
+        """Return whether an end keeps its place and attitude in a body: that of a FLEX body deforms."""
+        return self.bodies[body].flexible is None
+
     def _end(self, line: ElementLine, key: str) -> End | None:
         body = line.at(f"{key}.body")
         if f"{key}.node" in line:

@@ -3,7 +3,8 @@
 A closure keeps p_a - p_b at zero along axes of body b.  Where point a may move along a free direction
 of b, its velocity is compared with that of the point of body b just there.  A coupling keeps c . q at its
 value; its force acts as the efforts c along the coordinates.  A point on a curve of body b has two rows,
-along the curve's normals (`curves`).
+along the curve's normals (`curves`).  A row that holds a turn keeps w . v, of a vector w of body a and v of
+body b; its force acts as torques of ±(w x v).
 
 DAFMS thesis (1992), section 3.4, reduces the equations to independent speeds, y = A y_i + B, which
 makes the closure forces drop out since J A = 0 (3.17-3.25).  Here the same equations are solved for
@@ -41,6 +42,8 @@ if TYPE_CHECKING:
     from ...model.arrays.tree import TreeArrays
 
 
+# Types of rows that close a direction.
+ALONG_AXIS, ALONG_VECTOR, TURN = 0, 1, 2
 # A response below this part of the largest one means that nothing moves in this direction.
 IMMOBILE = 1e-12
 
@@ -64,13 +67,38 @@ def evaluate_rows(tree: "TreeArrays", work: np.ndarray, q: np.ndarray, y: np.nda
         if row["curve"] >= 0:
             _evaluate_track(tree, row, a, b)
             continue
+        if row["type"] == TURN:
+            _evaluate_turn(row, a, b)
+            continue
         direction = column(b["axes"], row["axis"])
+        if row["type"] == ALONG_VECTOR:
+            direction = outward(b["axes"], triple(row["across"], 0))
         place = plus(triple(a["position"], 0), outward(a["axes"], triple(row["point_a"], 0)))
         other = plus(triple(b["position"], 0), outward(b["axes"], triple(row["point_b"], 0)))
         store(direction, row["direction"], 0)
         store(place, row["place"], 0)
         row["gap"] = dot(direction, minus(place, other))
         row["rate"] = dot(direction, _relative_velocity(a, b, place))
+
+
+@kernel
+def _evaluate_turn(row: np.void, a: np.void, b: np.void) -> None:
+    """Set direction w x v, gap w . v - value and rate of a row that holds a turn."""
+    w, v = outward(a["axes"], triple(row["point_a"], 0)), outward(b["axes"], triple(row["across"], 0))
+    n = cross(w, v)
+    store(n, row["direction"], 0)
+    row["gap"] = dot(w, v) - row["value"]
+    row["rate"] = dot(n, minus(triple(a["angular"], 0), triple(b["angular"], 0)))
+
+
+@kernel
+def _turn_acceleration(row: np.void, a: np.void, b: np.void) -> float:
+    """Second derivative of w . v: (al_a - al_b) . n + (om_a - om_b) . n'."""
+    w, v = outward(a["axes"], triple(row["point_a"], 0)), outward(b["axes"], triple(row["across"], 0))
+    of_a, of_b = triple(a["angular"], 0), triple(b["angular"], 0)
+    change = plus(cross(cross(of_a, w), v), cross(w, cross(of_b, v)))
+    apart = minus(triple(a["acceleration"], 0), triple(b["acceleration"], 0))
+    return dot(triple(row["direction"], 0), apart) + dot(change, minus(of_a, of_b))
 
 
 @kernel
@@ -130,6 +158,8 @@ def _gap_acceleration(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndar
     if row["coupling"] >= 0:
         return _coupled(tree.couplings[row["coupling"]], coordinates["rate"]) + row["bend"]
     a, b, place = work[row["frame_a"]], work[row["frame_b"]], triple(row["place"], 0)
+    if row["type"] == TURN:
+        return _turn_acceleration(row, a, b)
     wa, wb = triple(a["angular"], 0), triple(b["angular"], 0)
     of_a = plus(
         _carried(a, a["acceleration"], place), centripetal(wa, minus(place, triple(a["position"], 0)))
@@ -147,6 +177,8 @@ def _gap_response(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray,
     if row["coupling"] >= 0:
         return _coupled(tree.couplings[row["coupling"]], coordinates["response"])
     a, b, place = work[row["frame_a"]], work[row["frame_b"]], triple(row["place"], 0)
+    if row["type"] == TURN:
+        return dot(triple(row["direction"], 0), minus(triple(a["response"], 0), triple(b["response"], 0)))
     apart = minus(_carried(a, a["response"], place), _carried(b, b["response"], place))
     return dot(triple(row["direction"], 0), apart)
 
@@ -171,6 +203,11 @@ def add_closure_forces(tree: "TreeArrays", work: np.ndarray, q: np.ndarray, y: n
             continue
         force = scaled(row["force"], triple(row["direction"], 0))
         place = triple(row["place"], 0)
+        if row["type"] == TURN:
+            accumulate(scaled(-1.0, force), work[row["frame_a"]]["bias"], 0)
+            if row["frame_b"] > 0:
+                accumulate(force, work[row["frame_b"]]["bias"], 0)
+            continue
         _load(work[row["frame_a"]], place, force)
         if row["frame_b"] > 0:
             _load(work[row["frame_b"]], place, scaled(-1.0, force))
@@ -222,6 +259,10 @@ def add_row_forces(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray
                 coordinates[m]["unit_effort"] += row["force"] * tree.couplings[row["coupling"], m]
             continue
         force = scaled(row["force"], triple(row["direction"], 0))
+        if row["type"] == TURN:
+            accumulate(scaled(-1.0, force), work[row["frame_a"]]["unit_force"], 0)
+            accumulate(force, work[row["frame_b"]]["unit_force"], 0)
+            continue
         unit_force(work[row["frame_a"]], triple(row["place"], 0), force)
         unit_force(work[row["frame_b"]], triple(row["place"], 0), scaled(-1.0, force))
 

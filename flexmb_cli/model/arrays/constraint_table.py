@@ -12,6 +12,7 @@ import numpy as np
 
 from ...errors import Place
 from ..flexible_mechanism import FloatingBody, NodePoint
+from ..general_joints import GeneralJoint
 from ..joints import Equation
 from ..mechanism import Body
 from ..vectors import rotation_matrix
@@ -156,6 +157,14 @@ class PrimitiveTable(FunctionTable):
             self.names.append(Equation(owner, name, place, scale, is_length=is_length))
             self.measured.append(record)
         self.groups.append((first, self.first_row + len(self.names), i, j))
+
+    def general_joint(self, joint: GeneralJoint, gap: tuple[int, int], turned: np.ndarray) -> None:
+        """The equations of a general joint; `gap`: points of j and i, `turned` as of `GeneralJoint.turns`."""
+        parts = [(name, True, self.product(gap, self.body_vector(joint.i, v))) for name, v in joint.slides]
+        for name, v, w, value in joint.turns(turned):
+            record = self.product(self.body_vector(joint.j, w), self.body_vector(joint.i, v), 1.0, value)
+            parts.append((name, False, record))
+        self.equations(joint.name, joint.place, joint.i, joint.j, parts)
 
     def spring(self, record: np.ndarray) -> int:
         """Number of the (first) primitive a spring acts in; all equations must have been added."""

@@ -133,7 +133,10 @@ class ElementTable:
         self._bushings = 0  # so far
 
     def add_couplings(self) -> None:
-        """The equations of every curve, and one for every coupling of joint coordinates."""
+        """The equations of general joints and curves, and one for every coupling of joint coordinates."""
+        for joint in self.elements.generals:
+            gap = self._end(joint.j, joint.P_j), self._end(joint.i, joint.P_i)
+            self.table.general_joint(joint, gap, self.table.A(joint.j).T @ self.table.A(joint.i))
         for curve in self.elements.curves:
             point, origin = self._end(curve.j, curve.P_j), self._end(curve.i, curve.P_i)
             add_curve(self.table, curve, point, origin, (curve.i, curve.j))

@@ -13,11 +13,11 @@ import numpy as np
 
 from ..geometric_stiffness import across, beam_direction, geometric_stiffness
 from ..laws import FRICTION
-from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
+from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Closure, Tree
 from .contacts import Contacts
 from .node_frames import NodeFrames, empty_node_frames
 from .signals import Signals
-from .tree_elements import CLOSURE_ROW, REPEATED, TreeElements
+from .tree_elements import ALONG_VECTOR, CLOSURE_ROW, REPEATED, TURN, TreeElements
 from .tree_frames import NODAL_MASS, tree_frames
 
 NEGLIGIBLE = 1e-17  # of the geometric mean of the two diagonal places: a tenth of the unit round-off
@@ -251,13 +251,29 @@ def _closure_rows(
         point_a = c.a_point if c.a_node is None else (0.0, 0.0, 0.0)
         point_b = c.b_point if c.b_node is None else (0.0, 0.0, 0.0)
         first = elements.table.in_a_row(c.curve.functions) if c.curve else -1
+        general = _general_rows(c)
         for axis in c.directions:
             row = np.zeros(1, CLOSURE_ROW)
             row["frame_a"], row["frame_b"], row["axis"], row["repeated"] = a, b, axis - 1, REPEATED
             row["point_a"], row["point_b"], row["coupling"], row["curve"] = point_a, point_b, -1, first
             if c.curve:
                 row["across"], row["parameter"] = c.curve.across, c.curve.begin
+            if c.general:
+                for field, value in general[axis - 1].items():
+                    row[field] = value
             yield row
+
+
+def _general_rows(c: Closure) -> list[dict[str, Any]]:
+    """Fields of the CLOSURE_ROW records of a general joint."""
+    if c.general is None:
+        return []
+    slides = [{"type": ALONG_VECTOR, "across": v, "axis": 0} for _, v in c.general.slides]
+    turns = [
+        {"type": TURN, "across": v, "point_a": w, "value": value, "axis": 0}
+        for _, v, w, value in c.general.turns(c.turned)
+    ]
+    return [*slides, *turns]
 
 
 def _inertia_scale(tree: Any) -> np.ndarray:

@@ -64,19 +64,23 @@ TREE_FRICTION = np.dtype(
 # A pivot below this part of the row's own response means that other rows close this direction too.
 REPEATED = 1e-9
 # One closed direction of a closure, or a coupling: what it is, then what the kernels found for it last.
+# Types of rows that close a direction.
+ALONG_AXIS, ALONG_VECTOR, TURN = 0, 1, 2
 CLOSURE_ROW = np.dtype(
     [
         ("frame_a", np.int64),  # number of the first FRAME
         ("frame_b", np.int64),  # number of the second FRAME
-        ("point_a", np.float64, 3),  # axes of frame a, m
+        ("point_a", np.float64, 3),  # axes of frame a, m; of a turn the unit vector w of frame a
         ("point_b", np.float64, 3),  # axes of frame b, m
+        ("type", np.int64),  # of a closed direction: ALONG_AXIS, ALONG_VECTOR of frame b, or a TURN
         ("axis", np.int64),  # 0, 1, 2 of frame b; 0, 1 of a point on a curve: its normal
         ("coupling", np.int64),  # number of the coupling, -1: a closed direction
-        ("value", np.float64),  # which the sum of a coupling keeps, m or rad
+        ("value", np.float64),  # which the sum of a coupling keeps, m or rad, or w . v of a turn
         ("curve", np.int64),  # function of a cam, or first of three of a curve, among `curves`, -1: none
         ("cam", np.int64),  # coordinate that the function of a cam is of
         ("bend", np.float64),  # what a cam or curve adds to the gap's second derivative, m/s² or rad/s²
-        ("across", np.float64, 3),  # unit vector nowhere along a curve, axes of frame b
+        # Unit vector, axes of frame b: nowhere along a curve; the closed direction; v of a turn.
+        ("across", np.float64, 3),
         ("parameter", np.float64),  # of a curve at the point, found last, its own unit
         ("advance", np.float64),  # rate of the parameter, per s
         ("direction", np.float64, 3),  # of that axis, inertial axes

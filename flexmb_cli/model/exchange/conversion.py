@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import Place
-from ..joint_elements import Coupling, Curve, JointDriver
+from ..joint_elements import Coupling, JointDriver, JointElements
 from ..joints import ANGLE
 from ..laws import OF_TIME, At, Cam, Element, Frames, Joint, Parameter, Push, Touch
 from ..mechanism import GROUND, Vector
@@ -53,9 +53,12 @@ class Conversion(ABC):
     def model(self) -> RigidModel:
         """Return the rigid model, but for the shapes of its bodies."""
 
-    def converted(self, shapes: Iterable[Shape], curves: Iterable[Curve]) -> RigidModel:
+    def converted(self, shapes: Iterable[Shape], elements: JointElements) -> RigidModel:
         """Return the model with the cards of `shapes`; raises ModelError with all that is not converted."""
-        for curve in curves:
+        for joint in elements.generals:
+            message = "lines JOINT of this type are not converted; give the joint anew in the other deck"
+            self.refusals.add(joint, message, id="SOLVE-184")
+        for curve in elements.curves:
             message = "points on curves are not converted; give the curve anew in the other deck"
             self.refusals.add(curve, message, id="MODEL-030")
         cards = tuple(self.shape(shape.card) for shape in shapes if shape.card)

@@ -137,6 +137,9 @@ def add_closures(table: PrimitiveTable, tree: Tree) -> None:
         if closure.curve:
             add_curve(table, closure.curve, *gap, (closure.b, closure.a))
             continue
+        if closure.general:
+            table.general_joint(closure.general, gap, closure.turned)
+            continue
         parts = [
             (f"direction {axis}", True, table.product(gap, table.body_vector(closure.b, np.eye(3)[axis - 1])))
             for axis in closure.directions

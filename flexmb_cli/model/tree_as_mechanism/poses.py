@@ -112,6 +112,8 @@ PARALLEL = 1e-9
 
 def repeated_in_planar_tree(tree: Tree) -> int | None:
     """Number of closed directions across the plane of a planar tree; None where it moves in no plane."""
+    if any(closure.general for closure in tree.closures):
+        return None  # they may hold turns, too
     frames = hinge_frames(tree)
     poses = [*first_poses(tree, frames)]
     moving = _moving_axes(tree, frames, poses)

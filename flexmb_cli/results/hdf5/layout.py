@@ -199,8 +199,18 @@ CURVE_SERIES = {
         ("force", (CURVES, "xyz"), "N", "force of the curve on the point, global axes"),
     )
 }
+GENERALS = "general/general"
+GENERAL_SERIES = {
+    f"general_{name}": Series(f"general/{name}", (GENERALS, "xyz"), units, long_name)
+    for name, units, long_name in (
+        ("force", "N", "force of the joint on its second body, global axes"),
+        ("torque", "N m", "torque of the joint on its second body about the point there, global axes"),
+    )
+}
 SIGNAL_SERIES = {"signal_value": Series("signal/value", (SIGNALS,), "1", "value of the signal, SI units")}
-OF_ELEMENTS = ELEMENT_SERIES | COUPLING_SERIES | CONTACT_SERIES | CURVE_SERIES | SIGNAL_SERIES
+OF_ELEMENTS = (
+    ELEMENT_SERIES | COUPLING_SERIES | CONTACT_SERIES | CURVE_SERIES | GENERAL_SERIES | SIGNAL_SERIES
+)
 
 
 def with_elements(layout: Layout, elements: JointElements, springs: Sequence[Element] = ()) -> Layout:
@@ -217,6 +227,8 @@ def with_elements(layout: Layout, elements: JointElements, springs: Sequence[Ele
         axes.append(numbered_axis("contact", contacts))
     if elements.curves:
         axes.append(numbered_axis("curve", [curve.name for curve in elements.curves]))
+    if elements.generals:
+        axes.append(numbered_axis("general", [joint.name for joint in elements.generals]))
     if signals := [signal.name for signal in elements.signals if signal.name]:
         axes.append(numbered_axis("signal", signals))
     present = {axis.path for axis in axes}

@@ -162,6 +162,7 @@ _REFUSED = {
     "supports": ("supports by functions do not convert", "RESULT-070"),
     "couplings": ("couplings of joint coordinates do not convert", "RESULT-072"),
     "curves": ("points on curves do not convert", "RESULT-130"),
+    "generals": ("lines JOINT of this type do not convert", "SOLVE-185"),
 }
 _REFUSED_LAWS = {
     BUSHING: (

@@ -1,6 +1,6 @@
 """Report rows of decks and trees with elements: what every element does and bears."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, TypeVar
 
@@ -12,6 +12,7 @@ from ...kernels.laws import COORDINATE, EFFORT, ENERGY, POWER, SPEED
 from ...model.arrays.dynamic import DynamicArrays
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism
+from ...model.general_joints import GeneralJoint
 from ...model.joint_elements import JointElements, names_of
 from ...model.laws import CONTACT, DRIVING, FRICTION, parts_in_arrays
 from ...model.loads import DynamicModel
@@ -42,6 +43,8 @@ class ElementAnswers:
     curve_position: np.ndarray  # (T, curves) arc length from the curve's beginning, m
     curve_speed: np.ndarray  # (T, curves) its rate, m/s
     curve_force: np.ndarray  # (T, curves, 3) on the point, global axes, N
+    general_force: np.ndarray  # (T, general joints, 3) on body J, global axes, N
+    general_torque: np.ndarray  # (T, general joints, 3) on body J about P_j, global axes, N m
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,7 @@ def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> 
         **element_answers(report, first, model.elements),
         coupling_effort=coupling_efforts(report, arrays, model.elements),
         curve_force=curve_forces(report, arrays, model.elements),
+        **general_forces(report, first_general(arrays, model.elements), model.elements.generals),
         **_composite_forces(model, arrays, report),
     )
 
@@ -103,19 +107,46 @@ def curve_motion(elements: JointElements, parameters: np.ndarray, rates: np.ndar
     return {"curve_position": position, "curve_speed": speed}
 
 
+def first_general(arrays: SystemArrays, elements: JointElements) -> int:
+    """Return the number of the first group of equations of general joints, which those of curves follow."""
+    return (
+        len(arrays.groups)
+        - len(elements.drivers)
+        - len(elements.couplings)
+        - len(elements.curves)
+        - len(elements.generals)
+    )
+
+
+def general_forces(report: Report, first: int, joints: Sequence[GeneralJoint]) -> dict[str, np.ndarray]:
+    """Fields of `ElementAnswers` of general joints, whose groups of equations begin with number `first`.
+
+    A node of a flexible body bears no torque.
+    """
+    force, torque = (np.zeros((len(report.times), len(joints), 3)) for _ in range(2))
+    for k, joint in enumerate(joints):
+        P_j = getattr(joint.P_j, "r0", joint.P_j)
+        force[:, k], found = _wrench(report, first + k, joint.i, joint.j, P_j)
+        torque[:, k] = found if joint.holds_turns else 0.0
+    return {"general_force": force, "general_torque": torque}
+
+
+def _wrench(report: Report, group: int, i: int, j: int, P_j: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Force and torque (T, 3) of a group on body J at P_j: the ground bears what body I does."""
+    side, sign, body = (1, 1.0, j) if j >= 0 else (0, -1.0, i)
+    wrench = sign * report.wrenches[:, group, side] + 0.0
+    q = report.states[:, 7 * body : 7 * body + 7]
+    arm = global_axes(q[:, 3:], np.array([P_j])) if j >= 0 else P_j - q[:, :3]
+    return wrench[:, :3], global_axes(q[:, 3:], wrench[:, 3:]) - cross_rows(arm, wrench[:, :3])
+
+
 def _composite_forces(model: DynamicModel, arrays: DynamicArrays, report: Report) -> dict[str, np.ndarray]:
-    """Forces and torques (T, composite joints, 3) on body J at P_j: the ground bears what body I does."""
-    elements = model.elements
-    end = len(arrays.groups) - len(elements.curves) - len(elements.couplings) - len(elements.drivers)
-    first = end - len(elements.composites)
-    force, torque = (np.zeros((len(report.times), len(elements.composites), 3)) for _ in range(2))
-    for k, item in enumerate(elements.composites):
-        side, sign, body = (1, 1.0, item.j) if item.j >= 0 else (0, -1.0, item.i)
-        wrench = sign * report.wrenches[:, first + k, side] + 0.0
-        q = report.states[:, 7 * body : 7 * body + 7]
-        arm = global_axes(q[:, 3:], np.array([item.P_j])) if item.j >= 0 else item.P_j - q[:, :3]
-        force[:, k] = wrench[:, :3]
-        torque[:, k] = global_axes(q[:, 3:], wrench[:, 3:]) - cross_rows(arm, wrench[:, :3])
+    """Forces and torques (T, composite joints, 3) on body J at P_j."""
+    composites = model.elements.composites
+    first = first_general(arrays, model.elements) - len(composites)
+    force, torque = (np.zeros((len(report.times), len(composites), 3)) for _ in range(2))
+    for k, item in enumerate(composites):
+        force[:, k], torque[:, k] = _wrench(report, first + k, item.i, item.j, item.P_j)
     return {"composite_force": force, "composite_torque": torque}
 
 
@@ -202,4 +233,5 @@ def flexible_element_rows(
         **element_answers(report, first, mechanism.elements),
         coupling_effort=coupling_efforts(report, arrays, mechanism.elements),
         curve_force=curve_forces(report, arrays, mechanism.elements),
+        **general_forces(report, first_general(arrays, mechanism.elements), mechanism.elements.generals),
     )

@@ -7,10 +7,19 @@ import numpy as np
 
 from ...kernels.constrained.report import Report
 from ...model.arrays.system import SystemArrays
+from ...model.arrays.tree_elements import TURN
 from ...model.joint_elements import names_of
 from ...model.tree import Tree
 from ..tree.rows import TreeRows
-from .element_rows import ElementAnswers, answers_of, coupling_efforts, curve_motion, element_answers, joined
+from .element_rows import (
+    ElementAnswers,
+    answers_of,
+    coupling_efforts,
+    curve_motion,
+    element_answers,
+    general_forces,
+    joined,
+)
 
 
 @dataclass(frozen=True)
@@ -31,6 +40,7 @@ def with_elements(tree: Tree, arrays: SystemArrays, rows: TreeRows, report: Repo
         driver_effort=report.multipliers[:, rows_of_drivers(tree, arrays)].copy(),
         coupling_effort=coupling_efforts(report, arrays, tree.elements, len(tree.closures)),
         curve_force=forces_on_curves(tree, rows),
+        **general_forces(report, _first_general(tree, len(arrays.groups)), tree.elements.generals),
     )
 
 
@@ -52,6 +62,24 @@ def forces_on_curves(tree: Tree, rows: TreeRows) -> np.ndarray:
     return rows.closure_force[:, len(tree.closures) - len(tree.elements.curves) :]
 
 
+def _first_general(tree: Tree, end: int) -> int:
+    """Number of the first general joint among closures that end there, before those of curves."""
+    return end - len(tree.elements.curves) - len(tree.elements.generals)
+
+
+def _forces_of_generals(tree: Tree, rows: TreeRows, closures: np.ndarray) -> dict[str, np.ndarray]:
+    """Forces and torques (T, general joints, 3) on their second bodies, from their rows (T, R)."""
+    first = _first_general(tree, len(tree.closures))
+    end = first + len(tree.elements.generals)
+    turning = np.where(closures["type"] == TURN, closures["force"], 0.0)[..., None] * closures["direction"]
+    owners = [k for k, closure in enumerate(tree.closures) for _ in closure.directions]
+    torque = np.zeros((len(closures), end - first, 3))
+    for row, owner in enumerate(owners):
+        if first <= owner < end:
+            torque[:, owner - first] += turning[:, row]
+    return {"general_force": rows.closure_force[:, first:end], "general_torque": torque}
+
+
 def rows_of_curves(tree: Tree) -> list[int]:
     """Number of the first closed direction of each curve."""
     owners = [closure.curve for closure in tree.closures for _ in closure.directions]
@@ -71,5 +99,6 @@ def with_answers(tree: Tree, rows: TreeRows, report: Any) -> TreeElementRows:
         coupling_effort=report.closures["force"][:, len(report.closures[0]) - len(scales) :] / scales,
         **curve_motion(tree.elements, tracks["parameter"], tracks["advance"]),
         curve_force=forces_on_curves(tree, rows),
+        **_forces_of_generals(tree, rows, report.closures),
         driver_effort=report.drives,
     )

@@ -192,6 +192,7 @@ def test_every_dynamic_deck_stands_in_the_readme():
             "IN-BREAK",
             "IN-CAM",
             "IN-ELEMENTS",
+            "IN-HOLD",
             "IN-LINK",
             "IN-PAIR",
             "IN-PID",

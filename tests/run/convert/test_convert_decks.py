@@ -57,6 +57,8 @@ REFUSED = {
     ("young/dynamics/IN-BALL.dat", "dafms"): "contacts do not convert",
     ("young/dynamics/IN-PID.dat", "vsdf"): "signals do not convert",
     ("young/dynamics/IN-PID.dat", "dafms"): "signals do not convert",
+    ("young/dynamics/IN-HOLD.dat", "vsdf"): "lines JOINT of this type are not converted",
+    ("young/dynamics/IN-HOLD.dat", "dafms"): "lines JOINT of this type are not converted",
     ("young/dynamics/IN-RAIL.dat", "vsdf"): "points on curves are not converted",
     ("young/dynamics/IN-RAIL.dat", "dafms"): "points on curves are not converted",
     ("young/dynamics/IN-BREAK.dat", "vsdf"): "contacts do not convert",

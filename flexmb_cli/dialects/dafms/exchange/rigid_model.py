@@ -40,7 +40,7 @@ def rigid_model(deck: Deck, build: Callable[[], Tree], start: Callable[[Tree], S
     """Return the rigid model of a deck at its start; raises ModelError with all that is not converted."""
     tree = build()
     _refuse_flexible(tree)
-    return _Conversion(tree, start(tree)).converted(tree.shapes, tree.elements.curves)
+    return _Conversion(tree, start(tree)).converted(tree.shapes, tree.elements)
 
 
 def _refuse_flexible(tree: Tree) -> None:
@@ -130,7 +130,7 @@ class _Conversion(Conversion):
                           place=hinge.place)  # fmt: skip
 
     def _closures(self) -> Iterator[Any]:
-        for closure in (c for c in self.tree.closures if c.curve is None):
+        for closure in (c for c in self.tree.closures if not (c.curve or c.general)):
             if len(closure.directions) < 3 and not self._is_planar(closure):
                 message = "a closure of some directions is converted in planar mechanisms only"
                 self.refusals.add(closure, message, id="DAFMS-183")

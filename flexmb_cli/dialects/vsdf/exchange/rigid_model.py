@@ -34,7 +34,7 @@ def rigid_model(
     if flexible:
         raise ModelError([Fault("error", message, r.place, r.subject, id="VSDF-152") for r in flexible])
     mechanism = build()
-    return _Conversion(mechanism, start(mechanism)).converted(mechanism.shapes, mechanism.elements.curves)
+    return _Conversion(mechanism, start(mechanism)).converted(mechanism.shapes, mechanism.elements)
 
 
 class _Conversion(Conversion):

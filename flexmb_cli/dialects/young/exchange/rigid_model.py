@@ -33,7 +33,7 @@ def rigid_model(
         )
         raise ModelError([Fault("error", message, id="YOUNG-150")])
     model = build()
-    return _Conversion(model, start(model)).converted(model.mechanism.shapes, model.elements.curves)
+    return _Conversion(model, start(model)).converted(model.mechanism.shapes, model.elements)
 
 
 class _Conversion(Conversion):
