@@ -8,10 +8,10 @@ import numpy as np
 
 from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, ModelError, sentences
-from ..model.load_shares import grid_of, with_grid, with_loads
 from ..model.unit_checks import unit_warnings
 from ..results.files.file_names import refuse_foreign
 from ..results.hdf5.layout import TIME, Layout, Series
+from .load_shares import grid_of, with_grid, with_loads
 from .mechanism_modes import Wish, kernels_for
 from .model import analysis_of, model_of, open_deck
 from .outcome import Listener, Outcome, Run, RunOptions, Stop, ending_recorded

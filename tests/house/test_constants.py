@@ -35,7 +35,7 @@ REPEATED_IN = {
     "model/time_functions.py": ("kernels/constrained/time_functions.py",),
     "model/laws.py": ("kernels/laws.py",),
     "model/signals.py": ("kernels/signals.py",),
-    "model/arrays/tree_elements.py": ("kernels/tree/elements.py",),
+    "model/arrays/tree_elements.py": ("kernels/tree/elements.py", "kernels/tree/loop_closures.py"),
     # It imports nothing before it can be interrupted.
     "run/outcome.py": ("__main__.py",),
 }

@@ -19,7 +19,7 @@ from ..linalg.vec3 import cross, minus, scaled, triple
 from .composite_mass import add_generalised_forces, set_mass
 from .element_rows import set_element_rows
 from .loads import axial_prestress
-from .loop_closures import TURN, eliminate_rows, solve_rows
+from .loop_closures import TURN_ROW, eliminate_rows, solve_rows
 
 if TYPE_CHECKING:
     from ...model.arrays.tree import TreeArrays
@@ -128,7 +128,7 @@ def _add_force_row(
     jacobian: np.ndarray,
 ) -> None:
     """Add what the coordinates feel of a force on frame k at the place of a closure, or of a torque."""
-    if row["type"] == TURN:
+    if row["type"] == TURN_ROW:
         add_generalised_forces(tree, work, coordinates, k, force, (0.0, 0.0, 0.0), jacobian)
         return
     arm = minus(triple(row["place"], 0), triple(work[k]["position"], 0))

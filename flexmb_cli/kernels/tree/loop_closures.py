@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 
 # Types of rows that close a direction.
-ALONG_AXIS, ALONG_VECTOR, TURN = 0, 1, 2
+AXIS_ROW, VECTOR_ROW, TURN_ROW = 0, 1, 2
 # A response below this part of the largest one means that nothing moves in this direction.
 IMMOBILE = 1e-12
 
@@ -67,11 +67,11 @@ def evaluate_rows(tree: "TreeArrays", work: np.ndarray, q: np.ndarray, y: np.nda
         if row["curve"] >= 0:
             _evaluate_track(tree, row, a, b)
             continue
-        if row["type"] == TURN:
+        if row["type"] == TURN_ROW:
             _evaluate_turn(row, a, b)
             continue
         direction = column(b["axes"], row["axis"])
-        if row["type"] == ALONG_VECTOR:
+        if row["type"] == VECTOR_ROW:
             direction = outward(b["axes"], triple(row["across"], 0))
         place = plus(triple(a["position"], 0), outward(a["axes"], triple(row["point_a"], 0)))
         other = plus(triple(b["position"], 0), outward(b["axes"], triple(row["point_b"], 0)))
@@ -158,7 +158,7 @@ def _gap_acceleration(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndar
     if row["coupling"] >= 0:
         return _coupled(tree.couplings[row["coupling"]], coordinates["rate"]) + row["bend"]
     a, b, place = work[row["frame_a"]], work[row["frame_b"]], triple(row["place"], 0)
-    if row["type"] == TURN:
+    if row["type"] == TURN_ROW:
         return _turn_acceleration(row, a, b)
     wa, wb = triple(a["angular"], 0), triple(b["angular"], 0)
     of_a = plus(
@@ -177,7 +177,7 @@ def _gap_response(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray,
     if row["coupling"] >= 0:
         return _coupled(tree.couplings[row["coupling"]], coordinates["response"])
     a, b, place = work[row["frame_a"]], work[row["frame_b"]], triple(row["place"], 0)
-    if row["type"] == TURN:
+    if row["type"] == TURN_ROW:
         return dot(triple(row["direction"], 0), minus(triple(a["response"], 0), triple(b["response"], 0)))
     apart = minus(_carried(a, a["response"], place), _carried(b, b["response"], place))
     return dot(triple(row["direction"], 0), apart)
@@ -203,7 +203,7 @@ def add_closure_forces(tree: "TreeArrays", work: np.ndarray, q: np.ndarray, y: n
             continue
         force = scaled(row["force"], triple(row["direction"], 0))
         place = triple(row["place"], 0)
-        if row["type"] == TURN:
+        if row["type"] == TURN_ROW:
             accumulate(scaled(-1.0, force), work[row["frame_a"]]["bias"], 0)
             if row["frame_b"] > 0:
                 accumulate(force, work[row["frame_b"]]["bias"], 0)
@@ -259,7 +259,7 @@ def add_row_forces(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray
                 coordinates[m]["unit_effort"] += row["force"] * tree.couplings[row["coupling"], m]
             continue
         force = scaled(row["force"], triple(row["direction"], 0))
-        if row["type"] == TURN:
+        if row["type"] == TURN_ROW:
             accumulate(scaled(-1.0, force), work[row["frame_a"]]["unit_force"], 0)
             accumulate(force, work[row["frame_b"]]["unit_force"], 0)
             continue

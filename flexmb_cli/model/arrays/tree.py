@@ -17,7 +17,7 @@ from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Closure, Tree
 from .contacts import Contacts
 from .node_frames import NodeFrames, empty_node_frames
 from .signals import Signals
-from .tree_elements import ALONG_VECTOR, CLOSURE_ROW, REPEATED, TURN, TreeElements
+from .tree_elements import CLOSURE_ROW, REPEATED, TURN_ROW, VECTOR_ROW, TreeElements
 from .tree_frames import NODAL_MASS, tree_frames
 
 NEGLIGIBLE = 1e-17  # of the geometric mean of the two diagonal places: a tenth of the unit round-off
@@ -268,9 +268,9 @@ def _general_rows(c: Closure) -> list[dict[str, Any]]:
     """Fields of the CLOSURE_ROW records of a general joint."""
     if c.general is None:
         return []
-    slides = [{"type": ALONG_VECTOR, "across": v, "axis": 0} for _, v in c.general.slides]
+    slides = [{"type": VECTOR_ROW, "across": v, "axis": 0} for _, v in c.general.slides]
     turns = [
-        {"type": TURN, "across": v, "point_a": w, "value": value, "axis": 0}
+        {"type": TURN_ROW, "across": v, "point_a": w, "value": value, "axis": 0}
         for _, v, w, value in c.general.turns(c.turned)
     ]
     return [*slides, *turns]

@@ -65,14 +65,14 @@ TREE_FRICTION = np.dtype(
 REPEATED = 1e-9
 # One closed direction of a closure, or a coupling: what it is, then what the kernels found for it last.
 # Types of rows that close a direction.
-ALONG_AXIS, ALONG_VECTOR, TURN = 0, 1, 2
+AXIS_ROW, VECTOR_ROW, TURN_ROW = 0, 1, 2
 CLOSURE_ROW = np.dtype(
     [
         ("frame_a", np.int64),  # number of the first FRAME
         ("frame_b", np.int64),  # number of the second FRAME
         ("point_a", np.float64, 3),  # axes of frame a, m; of a turn the unit vector w of frame a
         ("point_b", np.float64, 3),  # axes of frame b, m
-        ("type", np.int64),  # of a closed direction: ALONG_AXIS, ALONG_VECTOR of frame b, or a TURN
+        ("type", np.int64),  # of a closed direction: AXIS_ROW, VECTOR_ROW or TURN_ROW
         ("axis", np.int64),  # 0, 1, 2 of frame b; 0, 1 of a point on a curve: its normal
         ("coupling", np.int64),  # number of the coupling, -1: a closed direction
         ("value", np.float64),  # which the sum of a coupling keeps, m or rad, or w . v of a turn

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...kernels.constrained.report import Report
 from ...model.arrays.system import SystemArrays
-from ...model.arrays.tree_elements import TURN
+from ...model.arrays.tree_elements import TURN_ROW
 from ...model.joint_elements import names_of
 from ...model.tree import Tree
 from ..tree.rows import TreeRows
@@ -71,7 +71,9 @@ def _forces_of_generals(tree: Tree, rows: TreeRows, closures: np.ndarray) -> dic
     """Forces and torques (T, general joints, 3) on their second bodies, from their rows (T, R)."""
     first = _first_general(tree, len(tree.closures))
     end = first + len(tree.elements.generals)
-    turning = np.where(closures["type"] == TURN, closures["force"], 0.0)[..., None] * closures["direction"]
+    turning = (
+        np.where(closures["type"] == TURN_ROW, closures["force"], 0.0)[..., None] * closures["direction"]
+    )
     owners = [k for k, closure in enumerate(tree.closures) for _ in closure.directions]
     torque = np.zeros((len(closures), end - first, 3))
     for row, owner in enumerate(owners):

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...kernels.tree.report import Report
 from ...model.arrays.tree import TreeArrays, body_frames
-from ...model.arrays.tree_elements import TURN
+from ...model.arrays.tree_elements import TURN_ROW
 from ...model.tree import ELASTIC, Tree
 
 
@@ -134,7 +134,7 @@ def rows_by_recursion(tree: Tree, arrays: TreeArrays, observed: Report, last: np
 
 def _closure_forces(tree: Tree, rows: np.ndarray) -> np.ndarray:
     """Sum of the forces along the closed directions of each closure (T, C, 3)."""
-    along = np.where(rows["type"] == TURN, 0.0, rows["force"])[..., None] * rows["direction"]
+    along = np.where(rows["type"] == TURN_ROW, 0.0, rows["force"])[..., None] * rows["direction"]
     ends = np.cumsum([len(closure.directions) for closure in tree.closures], dtype=int)
     # Rows of couplings follow.
     parts = np.split(along, ends, axis=1)[: len(ends)]

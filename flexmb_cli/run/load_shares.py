@@ -3,11 +3,11 @@
 from dataclasses import replace
 from typing import Any
 
-from .joint_elements import JointElements
-from .laws import DRIVING, Element
-from .mechanism import TimeGrid
-from .time_functions import POLYNOMIAL, MotionFunction, is_signal, product_of
-from .tree import Body, Tree
+from ..model.joint_elements import JointElements
+from ..model.laws import DRIVING, Element
+from ..model.mechanism import TimeGrid
+from ..model.time_functions import POLYNOMIAL, MotionFunction, is_signal, product_of
+from ..model.tree import Body, Tree
 
 
 def with_loads(model: Any, share: float) -> Any:
