@@ -34,7 +34,9 @@ def general_joint(line: ElementLine, measures: Measures) -> GeneralJoint | None:
     if joint.holds_turns:
         for key, body in (("from", joint.i), ("to", joint.j)):
             if body >= 0 and not measures.is_rigid(line, body, key):
-                message = "at a node of a flexible body a joint holds displacements only; leave rx, ry and rz free"
+                message = (
+                    "at a node of a flexible body a joint holds displacements only; leave rx, ry and rz free"
+                )
                 measures.error(line, line.at(f"{key}.body"), message, id="ELEMENTS-204")
                 return None
     return joint
