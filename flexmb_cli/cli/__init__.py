@@ -236,7 +236,7 @@ def _run_command() -> None:
         sys.exit(BAD_INPUT)
     except FlexmbError as failure:
         # After the name of the file in which the faults are, else that of the program.
-        click.echo(compiler_style(failure.file or "flexmb", failure.faults), err=True)
+        _say(compiler_style(failure.file or "flexmb", failure.faults))
         if not failure.printed:
             _print_json(failure.exit_code, *failure.faults, file=failure.file or None)
         sys.exit(failure.exit_code)
@@ -285,7 +285,7 @@ def _refuse_usage(fault: Any) -> None:
         help_line = f"Try '{context.command_path} --help' for help."
         click.echo(lines_visible(f"{context.get_usage()}\n{help_line}\n"), err=True)
     said = fault.format_message()
-    click.echo(f"flexmb: error: {lines_visible(said)}", err=True)
+    _say(f"flexmb: error: {lines_visible(said)}")
     words = " ".join(said.split())
     own = isinstance(fault, WrongCall)
     _print_json(BAD_INPUT, Fault("error", words, id=fault.id) if own else Fault("error", words, id="CLI-003"))
@@ -323,6 +323,12 @@ def _open_closed_streams() -> None:
         sys.stdout = closed_output()
     if sys.stderr is None:
         sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+
+
+def _say(text: str) -> None:
+    from .terminal.screen import say
+
+    say(text)
 
 
 def _notify(sentence: str) -> None:

@@ -8,7 +8,7 @@ import click
 
 from ..errors import FlexmbError, compiler_style
 from .options.output_file import Finite
-from .terminal.screen import standard_output
+from .terminal.screen import say, standard_output
 
 # Powers and quotients of these are still numbers.
 ABOVE_ZERO = Finite(1e-50, 1e50)
@@ -89,5 +89,5 @@ def _deck_with(made: Any, path: str, body: Any) -> str:
         lines = source.lines
         return with_beam(read_deck(source, DIALECT.name), body, made)
     except FlexmbError as failure:
-        click.echo(compiler_style(path, failure.faults, lines), err=True)
+        say(compiler_style(path, failure.faults, lines))
         sys.exit(failure.exit_code)

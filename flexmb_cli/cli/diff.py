@@ -18,7 +18,7 @@ from ..results.files.replaced_file import write_whole
 from ..run.compare_many import compare_many
 from .options.output_file import AS_JSON, STANDARD_OUTPUT, Finite, WrittenPlace, files, refuse_inputs
 from .terminal.notices import faults_in_json
-from .terminal.screen import WrongCall, notify, show
+from .terminal.screen import WrongCall, notify, say, show
 
 
 @click.command()
@@ -127,7 +127,7 @@ def _compare_files(a: Any, b: Any, tolerances: Any, update: bool, as_json: bool,
             if updated:
                 accept(a, b)
     except TableError as failure:
-        click.echo(compiler_style(failure.name, failure.faults, failure.lines), err=True)
+        say(compiler_style(failure.name, failure.faults, failure.lines))
         sys.exit(failure.exit_code)
     return Compared(Pair(a, a, b), report, updated=updated, new=new)
 

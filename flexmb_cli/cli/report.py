@@ -54,6 +54,9 @@ class Interval(click.ParamType):  # type: ignore[type-arg]
         return low, high
 
 
+OF_RUNS = ("colours", "range", "scale", "units", "title", "note", "curves")
+
+
 @click.command()
 @RESULT
 @click.option("-o", "--output", type=WrittenPlace(), metavar="PAGE.html",
@@ -75,6 +78,10 @@ class Interval(click.ParamType):  # type: ignore[type-arg]
               "[default: smallest and largest].")  # fmt: skip
 @click.option("--scale", type=Finite(), default=1.0, metavar="X",
               help="Show deformations of finite-element bodies X times as large [default: 1].")  # fmt: skip
+@click.option("--title", default="", help="Heading of the page [default: the analysis and the deck].")
+@click.option("--note", default="", help="Text below it; \\n\\n begins a paragraph.")
+@click.option("--curves", multiple=True, metavar="NAME",
+              help="Draw this quantity in place of the default ones; can be given again.")  # fmt: skip
 @in_units(" or get a prefix")
 @FORCE
 @AS_JSON
@@ -84,7 +91,8 @@ def report(
 ) -> None:
     """Write a self-contained HTML page: motion in 3-D, curves, audit and deck of RESULT.h5.
 
-    The page needs no network and no graphics card: play, scrub and turn the motion in any browser.
+    The page needs no network and no graphics card: play, scrub and turn the motion in any browser.  It
+    has the extremes of the curves and the largest reactions, too, and prints on paper or as PDF.
 
     Of the table of a study: parallel coordinates and each result over the parameters; of a fit its
     numbers with their intervals, its history and paths, too.  This needs plotly (the extra `report`).
@@ -92,6 +100,7 @@ def report(
     \b
     Example:
         flexmb report OUT4-BAR.h5 -o four-bar.html
+        flexmb report OUT4-BAR.h5 --title "Wiper drive" --curves body.3.z
         flexmb report OUT4-BAR.h5 --movie four-bar.mp4
     """
     from ..results.hdf5.stored_result import is_study
@@ -99,6 +108,7 @@ def report(
     bodies = _body_look(looks)
     notices = Notices("result", result, quiet, as_json)
     if movie:
+        _refuse_options(("title", "note", "curves"), "for pages; leave out --movie")
         _write_film(notices, movie, output, looks, bodies)
         return
     _refuse_options(("fps", "size", "view"), "for films; give --movie, too")
@@ -108,10 +118,8 @@ def report(
     notices.refuse_standard_output(output)
     with notices.failures():
         if study := is_study(result):
-            _refuse_options(
-                ("colours", "range", "scale", "units"), "for results of a run; this is the table of a study"
-            )
-        page, notes = (_study_page(result), list[Fault]()) if study else _result_page(result, bodies)
+            _refuse_options(OF_RUNS, "for results of a run; this is the table of a study")
+        page, notes = (_study_page(result), list[Fault]()) if study else _result_page(result, bodies, looks)
         if output == STANDARD_OUTPUT:
             click.echo(page, nl=False)
         else:
@@ -200,13 +208,14 @@ def _need_film_libraries(form: str) -> None:
         needed("imageio_ffmpeg", "imageio-ffmpeg", "movie", f"{what} of an MP4 file")
 
 
-def _result_page(path: str, bodies: "BodyLook") -> tuple[bytes, list[Fault]]:
-    from ..results.figures.report_page import report_page
+def _result_page(path: str, bodies: "BodyLook", looks: dict[str, Any]) -> tuple[bytes, list[Fault]]:
+    from ..results.figures.report_page import PageWords, report_page
     from ..results.quantities.quantities import open_result, refuse_uneven, remarks
 
+    words = PageWords(looks["title"], looks["note"], looks["curves"])
     with open_result(path) as file:
         refuse_uneven(file)
-        return report_page(file, bodies).encode("utf-8"), remarks(file)
+        return report_page(file, bodies, words).encode("utf-8"), remarks(file)
 
 
 def _study_page(path: str) -> bytes:

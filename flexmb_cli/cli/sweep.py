@@ -19,7 +19,7 @@ from .options.deck_options import LOOP_TOLERANCE
 from .options.output_file import AS_JSON, FORCE, VERBOSE, WrittenPlace, files, refuse_inputs
 from .terminal.notices import Notices
 from .terminal.progress import Progress
-from .terminal.screen import WrongCall, notify
+from .terminal.screen import WrongCall, notify, say
 
 if TYPE_CHECKING:
     from ..study.sweep import Sweep
@@ -124,9 +124,9 @@ def begun(
             refuse_unwritable(output, special=False)
             return begin(notices.file, parts, options["fresh"], options["loop_tolerance"])
     except StudyError as failure:
-        click.echo(compiler_style(failure.file, failure.faults, failure.lines), err=True)
+        say(compiler_style(failure.file, failure.faults, failure.lines))
     except DeckError as failure:
-        click.echo(compiler_style(notices.file, failure.faults), err=True)
+        say(compiler_style(notices.file, failure.faults))
     set_aside(output)
     sys.exit(BAD_INPUT)
 

@@ -146,12 +146,15 @@ def declared(unit: str, system: Units) -> str:
     return " or ".join(converted(each, system.names)[0] for each in unit.split(" or "))
 
 
-def with_prefix(unit: str, largest: float) -> tuple[str, float]:
+def with_prefix(unit: str, largest: float, wishes: Wishes = AS_STORED) -> tuple[str, float]:
     """Return a unit with the prefix that gives `largest` one to three digits, and the factor of numbers.
 
-    Of forces, torques, stresses, energies and powers in SI units, and of lengths below a centimetre.
+    Of forces, torques, stresses, energies and powers in SI units, and of lengths below a centimetre, unless
+    their unit is one of those that are wanted.
     """
     head, blank, rest = unit.partition(" ")
+    if head in wishes or in_si(unit) != (unit, 1.0):
+        return unit, 1.0
     if head in _PREFIXED and "/" not in unit and math.isfinite(largest):
         for prefix, size in _PREFIXES.items():
             if size <= largest * (1 + 1e-9):

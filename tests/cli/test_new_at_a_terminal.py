@@ -24,6 +24,7 @@ class Terminal:
             try:
                 os.chdir(cwd)
                 signal.signal(signal.SIGINT, signal.SIG_DFL)
+                os.environ["COLUMNS"] = "200"  # sentences stay on one line
                 os.environ["TERM"] = "dumb"  # no escape sequences between what is compared
                 os.execv(NEW[0], [*NEW, *arguments])
             finally:

@@ -281,3 +281,11 @@ def test_a_draft_with_a_spoilt_number_asks_for_it_anew():
     dialogue = from_draft(YoungForm(), text)
     assert dialogue.question.entry.prefix == "counts"
     assert dialogue.question.cells[0].key == "NREVOL"
+
+
+def test_a_question_mark_draws_the_points_of_a_joint():
+    dialogue = talk("t", "2 1 0 0 0 0 0 1 0 0 0 1", "0 0 0 1 0 0 0", "0 0 0 1 0 0 0", "1 1 0 1 0", "1 2")
+    assert dialogue.question.entry.subject == "translational joint 1"
+    drawn = dialogue.question.help()
+    for part in ("P--------->Q   s = Q - P, along the axis", "h = H - P, across the axis", "P_i, Q_i"):
+        assert part in drawn

@@ -13,7 +13,7 @@ from ...errors import FlexmbError, compiler_style
 from ...run.outcome import Outcome, RunOptions
 from ...run.processes.signal_mask import stop_on_signals
 from ..terminal.closing_lines import ClosingLines, annotations
-from ..terminal.screen import WrongCall, notify
+from ..terminal.screen import WrongCall, notify, say
 from .output_file import Finite, files
 
 if TYPE_CHECKING:
@@ -127,5 +127,5 @@ def show_faults(outcome: Outcome, quiet: bool) -> None:
         if not quiet or fault.severity == "error" or fault.id in _SHOWN_ALWAYS
     ]
     if faults:
-        click.echo(compiler_style(outcome.deck, faults, outcome.lines), err=True)
+        say(compiler_style(outcome.deck, faults, outcome.lines))
         click.echo(annotations(named_model(outcome.deck)[0], faults), nl=False, err=True)

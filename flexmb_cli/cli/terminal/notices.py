@@ -9,7 +9,7 @@ import click
 
 from ...errors import BAD_INPUT, DONE, INTERNAL_FAULT, Fault, FlexmbError, compiler_style
 from ...run.outcome import INTERRUPTED, TERMINATED
-from .screen import WrongCall, notify
+from .screen import WrongCall, notify, say
 
 STATUS = {BAD_INPUT: "bad input", INTERNAL_FAULT: "internal fault"}
 STATUS |= dict.fromkeys((INTERRUPTED, TERMINATED), "interrupted")
@@ -88,7 +88,7 @@ class Notices:
         self.faults += [(self.file, fault) for fault in faults]
         self.lines = lines
         if faults and not self.quiet:
-            click.echo(compiler_style(self.file, faults, lines), err=True)
+            say(compiler_style(self.file, faults, lines))
 
     def say(self, sentence: str) -> None:
         """Print a sentence that the object has no need of."""

@@ -14,11 +14,14 @@ from .screen import notify, terminal_width
 
 REDRAWN_AFTER = 0.1  # s
 LOGGED_AFTER = 10.0  # s
+SAID_AFTER = 2.0  # s, of compiling, where nothing is drawn
 TICK = 1.0  # s, between two times of what is waited for on a terminal
 
 
 class Progress:
     """Shows how many of `unit` are done, after `title`; as a context, ends its line before others print."""
+
+    said = False  # whether this process has said what takes long
 
     def __init__(self, title: str, unit: str, quiet: bool, verbose: bool, stream: Any = None):
         self.title, self.unit, self.quiet = title, unit, quiet
@@ -47,6 +50,15 @@ class Progress:
             notify(f"{self.title}: {doing}")
         if self.drawn or self.logged:
             self._wait(f"{self.title}: {doing}")
+        elif not self.quiet and not Progress.said:
+            self._end_waiting()
+            self.waiting = _Waiting(f"{self.title}: {doing}", self._say_once, SAID_AFTER)
+
+    def _say_once(self, sentence: str) -> None:
+        """Say what takes long where no line can be drawn; a process says it once."""
+        if not Progress.said:
+            Progress.said = True
+            notify(sentence)
 
     def begin(self, total: int) -> None:
         """Begin to count up to `total`; what is waited for stays: kernels are compiled for the first row."""

@@ -60,7 +60,19 @@ def standard_output() -> OutputText:
 
 def notify(sentence: str) -> None:
     """A sentence on standard error; a line break within a file name is marked, too."""
-    click.echo(visible(sentence), err=True)
+    say(visible(sentence))
+
+
+def say(text: str) -> None:
+    """Messages on standard error; on a terminal their sentences wrap between words.
+
+    Lines that begin with a blank are those of a deck, and the marks below them: they stay.
+    """
+    if sys.stderr.isatty():
+        width = terminal_width(sys.stderr)
+        lines = text.splitlines()
+        text = "\n".join(line if line[:1].isspace() else _wrapped_line(line, width) for line in lines)
+    click.echo(text, err=True)
 
 
 def show(text: str, err: bool = False, whole: bool = False, prose: bool = False) -> None:

@@ -7,6 +7,7 @@ names, meanings and units are those of the reader's tables.
 import itertools
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 
 from ...deck.dialogue import Entries, Form, Line, named, titled
 from ...deck.questions import COUNT, INTEGER, MOST_ASKED, REAL, TEXT, WORD, Cell, Entry
@@ -20,7 +21,7 @@ from .build_model import build_model
 from .cards import CARDS, SHAPE_CARDS, Card
 from .dynamic_cards import FORWARD, INVERSE, LAST_CARD, analysis_of, read_young_deck
 from .equation_count import imbalance
-from .sections import COUNTS, YOUNG_SECTIONS, Column
+from .sections import COUNTS, YOUNG_SECTIONS, Column, drawing
 
 _SHAPES = "GEOMETRY"
 _ANALYSES = (FORWARD.upper(), INVERSE.upper(), _SHAPES)
@@ -58,7 +59,9 @@ class YoungForm(Form):
                 entry = Entry(section.name, k, subject, ())
                 turning = values.get(f"{entry.prefix}.direction") in ("4", "5", "6")
                 cells = tuple(_cell(column, turning) for column in section.columns)
-                yield Entry(section.name, k, subject, cells)
+                text = drawing(section)
+                topics = partial(_drawn, text) if text else None
+                yield Entry(section.name, k, subject, cells, topics=topics)
         if opening:
             yield from _card_entries(counts["NBODY"], opening["analysis"] == _SHAPES)
             yield from element_entries()
@@ -106,6 +109,11 @@ def _cell(column: Column, turning: bool = False, optional: bool = False, bodies:
     within = (int("0: " not in column.meaning), bodies) if bodies and column.key in YoungForm.early else None
     meaning, unit = column.label(turning)
     return Cell(column.key, meaning, unit, letter, default, within=within, names=column.is_function)
+
+
+def _drawn(text: str, topic: str) -> str:
+    """Return the drawing of a joint, whatever topic is wanted."""
+    return text
 
 
 def _card_entry(card: Card, k: int, bodies: int) -> Entry:

@@ -93,6 +93,21 @@ _ROLES = {
     "Q": ": s = Q - P points along the axis",
     "H": ": h = H - P points across the axis",
 }
+
+
+def drawing(section: Section) -> str:
+    """Return the points P, Q and H of a joint in characters, "" for other records."""
+    points = {column.key[0] for column in section.columns if column.key[1:3] == "_i"}
+    if "P" not in points:
+        return ""
+    along = "an arm of its cross" if section.name == "universal" else "along the axis"
+    across = ["            H", "            |   h = H - P, across the axis", "            |"]
+    axis = f"    body ===P--------->Q   s = Q - P, {along}" if "Q" in points else "    body ===P=== body"
+    ends = ", ".join(f"{point}_i" for point in sorted(points)), ", ".join(f"{p}_j" for p in sorted(points))
+    where = f"    {ends[0]} in the axes of body I, {ends[1]} in those of body J"
+    return "\n".join([*(across if "H" in points else []), axis, where])
+
+
 _BODY = _whole("body", "number of the body")
 _DIRECTION = _whole("direction", "1 2 3: along x y z; 4 5 6: about x y z")
 

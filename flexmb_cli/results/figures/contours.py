@@ -32,7 +32,7 @@ def shown_unit(contour: str, ends: tuple[float, float], look: "BodyLook") -> tup
     """Return the unit in which one of CONTOURS with these ends is shown, and the factor of its values."""
     stored = declared(_unit_of(contour), look.system)
     unit, factor = converted(stored, look.wishes)
-    return with_prefix(unit, max(map(abs, ends))) if unit == stored and not look.wishes else (unit, factor)
+    return with_prefix(unit, max(map(abs, ends)), look.wishes) if unit == stored else (unit, factor)
 
 
 def _unit_of(contour: str) -> str:

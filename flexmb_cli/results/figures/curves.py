@@ -65,8 +65,8 @@ class Panel:
         values = [curve.y[np.isfinite(curve.y)] for curve in self.curves]
         largest = max((float(np.abs(y).max()) for y in values if y.size), default=0.0)
         unit, factor = self.unit, 1.0
-        if not self.same_unit and in_si(self.unit.split(" ")[0])[0] not in wishes:
-            unit, factor = with_prefix(self.unit, largest)
+        if not self.same_unit:
+            unit, factor = with_prefix(self.unit, largest, wishes)
         if factor == 1.0:
             return self
         return replace(self, unit=unit, curves=tuple(replace(c, y=c.y * factor) for c in self.curves))

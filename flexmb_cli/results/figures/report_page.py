@@ -9,7 +9,7 @@ import base64
 import hashlib
 import json
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from html import escape
 from importlib.resources import files
 from string import Template
@@ -24,10 +24,11 @@ from ...dialects.recognise import read_deck
 from ...dialects.settings import apply_settings
 from ...errors import DeckError, lines_visible
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, is_number, is_text, settings_of, texts
-from ..quantities.quantities import ResultError, names, remarks, shortfall
+from ..quantities.quantities import ResultError, names, remarks, resolve, shortfall
 from ..texts.echo import echo
 from .contours import DEFAULT_LOOK, BodyLook
-from .curves import Curve, Panel, Source, default_curves, panels, still_energies
+from .curves import Curve, DefaultCurves, Panel, Source, default_curves, panels, still_energies
+from .extremes import extremes
 from .look import COLOURS
 from .report_scene import report_scene
 
@@ -164,13 +165,25 @@ def _points(places: np.ndarray) -> str:
     return "L".join(f"{x:.1f} {y:.1f}" for x, y in places.tolist())
 
 
+@dataclass(frozen=True)
+class PageWords:
+    """What a user adds to a page: its title, a note, and names of the quantities that are drawn."""
+
+    title: str = ""
+    note: str = ""
+    curves: tuple[str, ...] = ()
+
+
+NO_WORDS = PageWords()
 AUDITED = {"time": "t", "energy/total": "t", "energy/kinetic": "t"}
 
 TITLES = {"kinematic": "Kinematics", "dynamic": "Dynamics", "static": "Equilibrium", "modal": "Modes"}
 
 
-def report_page(result: h5py.File, look: BodyLook = DEFAULT_LOOK) -> str:
-    """The page on `result`, which opens with `look`.  Raises `ResultError` when the file has no deck."""
+def report_page(result: h5py.File, look: BodyLook = DEFAULT_LOOK, words: PageWords = NO_WORDS) -> str:
+    """The page on `result`, which opens with `look`, with the `words` of its user.
+
+    Raises `ResultError` when the file has no deck."""
     if "deck" not in result:
         raise ResultError(result.filename, "this is no result of a run: it has no deck", id="RESULT-001")
     scene = report_scene(result, look)
@@ -178,10 +191,10 @@ def report_page(result: h5py.File, look: BodyLook = DEFAULT_LOOK) -> str:
     script = viewer_script()
     return Template(_viewer("page.html")).substitute(
         hashes=script_hash(script),
-        title=shown_html(_title(result)),
-        status=_status(result),
+        title=shown_html(words.title or _title(result)),
+        status=_status(result) + _note(words.note),
         motion=_viewer("motion.html") if scene else "<p>There are no rows to draw.</p>",
-        curves=curves_html(result, look.wishes) + _left_out(result),
+        curves=_curves_and_extremes(result, look.wishes, words.curves),
         audit=_table(_audit(result)),
         run=_table(_run(result)),
         changes=_changes(result),
@@ -215,9 +228,33 @@ AS_TYPED = "As the deck's text has them."
 AS_CHANGED = "As this run had them; what --set changed has that word in place of its line."
 
 
-def curves_html(result: h5py.File, wishes: Wishes = AS_STORED) -> str:
-    """The default curves, a panel for each unit."""
-    chosen, rows = default_curves(result), len(result["time"])
+def _note(text: str) -> str:
+    """A user's note, a paragraph for each that empty lines part."""
+    paragraphs = (part.strip() for part in text.replace("\\n", "\n").split("\n\n"))
+    return "".join(f'<p class="note">{shown_html(part)}</p>' for part in paragraphs if part)
+
+
+def _curves_and_extremes(result: h5py.File, wishes: Wishes, named: tuple[str, ...]) -> str:
+    """The curves that are named, else the default ones, and the extremes of what they show."""
+    if named:
+        chosen = DefaultCurves(resolve(result, named, result.filename, "--curves "), [])
+    else:
+        chosen = default_curves(result)
+    left_out = "" if named else _left_out(result)
+    return curves_html(result, wishes, chosen) + left_out + _extremes(result, wishes, chosen)
+
+
+def _extremes(result: h5py.File, wishes: Wishes, chosen: DefaultCurves) -> str:
+    """The table of what the curves and reactions reach."""
+    rows = extremes(result, wishes, chosen.quantities)
+    head = "<tr><th>quantity</th><th>unit</th><th>least</th><th>largest</th></tr>"
+    cells = (f"<tr>{''.join(f'<td>{shown_html(cell)}</td>' for cell in row)}</tr>" for row in rows)
+    return f'<h2>Extremes</h2><table class="extremes">{head}{"".join(cells)}</table>' if rows else ""
+
+
+def curves_html(result: h5py.File, wishes: Wishes = AS_STORED, chosen: DefaultCurves | None = None) -> str:
+    """Curves, the default ones if none are chosen, a panel for each unit."""
+    chosen, rows = chosen or default_curves(result), len(result["time"])
     if not chosen.quantities or not rows:
         return ""
     time = next(quantity for quantity in names(result) if quantity.name == "time")

@@ -12,7 +12,7 @@ import pytest
 
 from flexmb_cli.cli.terminal import progress as module
 from flexmb_cli.cli.terminal.progress import Progress
-from flexmb_cli.cli.terminal.screen import fitted, wrapped
+from flexmb_cli.cli.terminal.screen import fitted, say, wrapped
 from flexmb_cli.errors import Fault
 from tests.cli.terminal.test_terminal import at_a_terminal
 
@@ -231,3 +231,39 @@ def test_a_log_tells_of_waiting_for_the_first_case(monkeypatch, capsys):
         time.sleep(0.1)
         shown.advance(1)
     assert capsys.readouterr().err.startswith("s.toml: 0 of 10 cases: 0:00 so far\n")
+
+
+def test_compiling_is_said_once_where_no_line_can_be_drawn(monkeypatch, capsys):
+    """First runs took up to a minute in silence if standard error was a file."""
+    monkeypatch.setattr(module, "SAID_AFTER", 0.05)
+    monkeypatch.setattr(Progress, "said", False)
+    for quiet in (True, False, False):
+        with Progress("a.dat", "rows", quiet, False) as shown:
+            shown.status("compiling kernels")
+            time.sleep(0.4)
+            shown.begin(10)
+            shown.advance(10)
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 1 and said[0].startswith("a.dat: compiling kernels")
+
+
+def test_compiling_that_takes_less_is_not_said(monkeypatch, capsys):
+    monkeypatch.setattr(Progress, "said", False)
+    with Progress("a.dat", "rows", False, False) as shown:
+        shown.status("compiling kernels")
+        shown.begin(10)
+        shown.advance(10)
+    assert capsys.readouterr().err == ""
+
+
+def test_messages_wrap_between_words_and_lines_of_decks_stay(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "40")
+    stream = Terminal()
+    monkeypatch.setattr(sys, "stderr", stream)
+    message = "a.dat:3:1: error: universal joint 1: body number 9 is outside 1..4"
+    line = "    1 9 0 0 2 0 6.10 0 0.75 -0.66 2 0 6.1 1 0 0 0"
+    say(f"{message}\n{line}\n      ^")
+    *sentence, deck, mark = stream.getvalue().splitlines()
+    assert " ".join(part.strip() for part in sentence) == message
+    assert len(sentence) == 2 and all(len(part) <= 40 for part in sentence)
+    assert (deck, mark) == (line, "      ^")
