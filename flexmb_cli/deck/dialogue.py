@@ -101,8 +101,8 @@ def name_at(lines: Sequence[Line], place: Place | None) -> str:
 class Dialogue:
     """State of a dialogue.  `values`: the answers by full name ("body.1.x"), as typed.
 
-    An answer that is refused changes nothing, except that the dialogue goes back when the fault lies in
-    an earlier answer.
+    Of an answer with a misspelt number those before it stay.  An answer that is refused otherwise changes
+    nothing, except that the dialogue goes back when the fault lies in an earlier answer.
     """
 
     def __init__(self, form: Form, values: dict[str, str] | None = None):
@@ -165,7 +165,9 @@ class Dialogue:
         end = self._cell + len(texts)
         cells = entry.cells[self._cell : end]
         warnings = self._spelling(entry, cells, texts)
-        if _first_error(warnings):
+        if wrong := _first_error(warnings):
+            if len(texts) <= len(cells):
+                self._take_before(entry, cells, texts, wrong)
             return warnings
         before = self.values
         self.values = {**before, **{entry.name(c): text for c, text in zip(cells, texts, strict=True)}}
@@ -178,6 +180,13 @@ class Dialogue:
         else:
             self._go_to(wrong.place)
         return [*warnings, *faults]
+
+    def _take_before(self, entry: Entry, cells: tuple[Cell, ...], texts: list[str], wrong: Fault) -> None:
+        """Take the numbers that stand before a misspelt one, for which the next question asks."""
+        count = wrong.place.column - 1 - self._cell if wrong.place else 0
+        taken = zip(cells[:count], texts, strict=False)
+        self.values = {**self.values, **{entry.name(cell): text for cell, text in taken}}
+        self._cell += count
 
     def back(self) -> bool:
         """Go to the question before the present one; False at the first."""

@@ -167,7 +167,7 @@ def _points(places: np.ndarray) -> str:
 
 @dataclass(frozen=True)
 class PageWords:
-    """What a user adds to a page: its title, a note, and names of the quantities that are drawn."""
+    """Words of a user on a page: its title, a note, and names of the quantities that are drawn."""
 
     title: str = ""
     note: str = ""

@@ -246,13 +246,17 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("before", "wrong", "said"), WRONG, ids=lambda value: str(value)[-20:])
-def test_a_wrong_answer_is_refused_at_once_and_changes_nothing(before, wrong, said):
+def test_a_wrong_answer_is_refused_at_once_and_costs_one_number(before, wrong, said):
+    """Numbers before a misspelt one stay; what the reader refuses as a whole changes nothing."""
     dialogue = talk(*before)
     values, question = dialogue.values, dialogue.question
     found = [fault.sentence for fault in dialogue.answer(wrong)]
     assert len(found) == 1
     assert said in found[0]
-    assert (dialogue.values, dialogue.question) == (values, question)
+    typed = [] if "too many to type" in said else wrong.split()[:-1]
+    names = map(question.entry.name, question.entry.cells[question.first :])
+    assert dialogue.values == values | dict(zip(names, typed, strict=False))
+    assert dialogue.question.first == question.first + len(typed)
 
 
 def test_a_beam_that_is_none_leads_back_to_its_length():
