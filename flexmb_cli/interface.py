@@ -5,7 +5,7 @@ The commands `check`, `run` and `sweep` call these functions.  Only `Result.save
 """
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .run.outcome import Listener, Outcome, RunOptions, TextStream
     from .run.solutions import Solution
     from .study.fit import FitRun
+    from .study.sensitivity import Sensitivity
     from .study.sweep import Sweep
 
 
@@ -156,6 +157,34 @@ def _result(
     warnings = (*opened.warnings, *faults, *solution.warnings, *solution.count.warnings)
     status, message = (COMPLETE, "") if failure is None else (FAILED, str(failure))
     return Result(opened, values, layout, status, message, tuple(dict.fromkeys(warnings)))
+
+
+def sensitivity(
+    deck: OpenDeck | str | os.PathLike[str],
+    of: Sequence[str],
+    to: Sequence[str],
+    *,
+    equilibrium: bool = False,
+    at: float | None = None,
+    **options: float | str,
+) -> "Sensitivity":
+    """Return the derivatives of quantities of a deck's motion by numbers of the deck, in every report row.
+
+    of: quantities as `flexmb table` names them, patterns included, or `mode.1.frequency` and
+    `mode.1.damping` of the motion linearised at the start or at the time `at`, s.  to: numbers as `changes`
+    of `read_deck` names them, variables of the deck included.  `equilibrium`: in the equilibrium instead of
+    along the motion; there is one row then.  `options`: those of `solve`.
+
+    The result has `time` (rows,), `values` (rows, of), `derivatives` and `relative` (rows, of, to), the names
+    and units of `of` and `to`, and `result`, to save, plot and tabulate.  Raises FlexmbError.
+    """
+    from .run.outcome import Outcome
+    from .study.sensitivity import sensitivity
+
+    opened = deck if isinstance(deck, OpenDeck) else read_deck(deck)
+    outcome = Outcome(opened.path, source=opened.deck.source)
+    with _naming(outcome):
+        return sensitivity(opened, of, to, _run_options(options), None, equilibrium, at)
 
 
 def sweep(study: str | os.PathLike[str] | Mapping[str, Any], jobs: int = 1) -> dict[str, np.ndarray]:
@@ -305,6 +334,7 @@ __all__ = [
     "open_fit",
     "open_study",
     "read_deck",
+    "sensitivity",
     "solve",
     "solve_study",
     "solve_to_files",

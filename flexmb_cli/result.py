@@ -112,7 +112,7 @@ class Result(Mapping[str, np.ndarray]):
         from .results.figures.plots import fitted_figure
         from .results.quantities.quantities import resolve, time_quantity
 
-        with self._stored() as file:
+        with self.stored() as file:
             chosen = resolve(file, names) if names else default_curves(file).quantities
             whole = slice(0, len(self.time), 1)
             source = Source("", file, whole, time_quantity(file), chosen, energies_change=not names)
@@ -126,7 +126,7 @@ class Result(Mapping[str, np.ndarray]):
         from .results.figures.contours import BodyLook
         from .results.figures.report_page import report_page
 
-        with self._stored() as file:
+        with self.stored() as file:
             return Page(report_page(file, BodyLook()), height)
 
     def _repr_html_(self) -> str:
@@ -136,7 +136,7 @@ class Result(Mapping[str, np.ndarray]):
             return head
         from .results.figures.curves import default_curves
 
-        with self._stored() as file:
+        with self.stored() as file:
             quantities = default_curves(file).quantities
         rows = [
             f"<tr><td>{escape(one.name)}</td><td>{escape(one.unit)}</td>"
@@ -216,7 +216,7 @@ class Result(Mapping[str, np.ndarray]):
             yield file
 
     @contextmanager
-    def _stored(self) -> "Iterator[h5py.File]":
+    def stored(self) -> "Iterator[h5py.File]":
         """Give the file of this result, of one in memory a temporary one."""
         from .results.quantities.quantities import open_result
 

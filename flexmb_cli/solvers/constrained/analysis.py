@@ -269,11 +269,14 @@ class ConstrainedMotion(ConstrainedState):
         return FEW_EVALUATIONS if self.dependent > DEPENDENT else CALL_EVALUATIONS
 
     def _call(self, task: int, report: Report) -> int:
-        return int(
-            self.integrator.integrate_rows(
-                task, self.system, self.work, self.integration, report, self._evaluations
-            )
-        )
+        def integrate(part: Report, evaluations: int) -> int:
+            call = self.integrator.integrate_rows
+            return int(call(task, self.system, self.work, self.integration, part, evaluations))
+
+        if self.step_sequence is None or task == codes.BEGIN:
+            return integrate(report, self._evaluations)
+        once = self._evaluations == FEW_EVALUATIONS
+        return self.step_sequence.fill(integrate, self.clock, report, once)
 
     def screw_angles(self, q: np.ndarray) -> np.ndarray:
         """Angles that count turns at q, those nearest to the deck's."""

@@ -15,6 +15,7 @@ from ...model.laws import Element
 from ...model.loads import InitialVelocity
 from ...model.mechanism import TimeGrid
 from ..singular.mobility import Mobility
+from ..step_sequence import StepSequence
 from .integrators import Steps
 from .system import PositionGaps, constrained_system, new_work, starts_sparse
 
@@ -32,6 +33,7 @@ class ConstrainedState(ABC):
     springs: Sequence[Element] = ()
     omega_in_body_axes = False
     rest: np.ndarray | None = None  # coordinates and speeds that it begins with, in place of the deck's
+    step_sequence: StepSequence | None = None  # steps to record or to make again
     usual_words = "planar mechanism of spatial joints", "3 a loop"  # of `usual_repetitions`
 
     def __init__(

@@ -43,7 +43,7 @@ class InverseDynamics:
         `applied_work` is nan: between the rows the efforts are not known.
         """
         for rows in self.motion.rows():
-            yield self._with_forces(rows)
+            yield self.with_forces(rows)
 
     @property
     def one_block(self) -> bool:
@@ -57,10 +57,11 @@ class InverseDynamics:
 
     def restore(self, checkpoint: Mapping[str, np.ndarray]) -> None:
         """Go on after the rows that were yielded up to a checkpoint."""
-        self._with_forces(self.motion.restore(checkpoint))
+        self.with_forces(self.motion.restore(checkpoint))
         fill_arrays(checkpoint, work=self.work)
 
-    def _with_forces(self, rows: Rows) -> DynamicRows:
+    def with_forces(self, rows: Rows) -> DynamicRows:
+        """Return rows of the motion with the forces that belong to them; raises AnalysisError."""
         report = blank_report(self.arrays, rows.time)
         _fill_states(report, rows)
         if not self._ordered:

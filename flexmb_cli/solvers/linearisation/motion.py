@@ -36,6 +36,13 @@ def differentiated(function: Callable[..., Any], h: float) -> Any:
     return sum(weight / h * function(place * h) for place, weight in STENCIL)
 
 
+def sum_of_pairs(values: Callable[[float], np.ndarray]) -> np.ndarray:
+    """Return the sum of weights and values at the places of STENCIL: 0 for values all alike."""
+    pairs = [weight * (values(place) - values(-place)) for place, weight in STENCIL if place > 0.0]
+    found: np.ndarray = np.sum(pairs, axis=0)
+    return found
+
+
 def without_motions(x: np.ndarray, Z: np.ndarray, L: np.ndarray) -> np.ndarray:
     """Return x (n,) less what the constraints allow of it: L times the result is 0."""
     return x - Z @ (L @ x)

@@ -120,7 +120,7 @@ class TreeAnalysis(TreeSteps):
     def _rows_up_to(self, stop: float) -> Iterator[TreeRows]:
         method = self.tree.integration.method
         if method == "dop853":
-            return self.rows_of_steps(self.integrate_rows)
+            return self.rows_of_steps(self.integrate_rows, self.budget)
         if method == "sdirk4":
             from .scipy_integrators import implicit_rows
 

@@ -115,13 +115,13 @@ def implicit_rows(analysis: "TreeSteps") -> Iterator[TreeRows]:
     integration.before[:] = analysis.integration.slopes[0]
     budget = 1 + IMPLICIT_CALL_WORK // (1 + n * n)
 
-    def integrate_rows(report: Report) -> Any:
+    def integrate_rows(report: Report, budget: int) -> Any:
         return sdirk4.integrate_rows(
             analysis.arrays, analysis.work, analysis.coordinates, integration, report, budget
         )
 
     start = clock["step_start"].copy(), clock["step_tried"].copy()
-    for block in analysis.rows_of_steps(integrate_rows):
+    for block in analysis.rows_of_steps(integrate_rows, budget):
         # A stopped run continues from the last breakpoint: the matrix has no other memory.
         last = clock["step_start"].copy(), clock["step_tried"].copy()
         clock["step_start"], clock["step_tried"] = start

@@ -14,6 +14,7 @@ from ...kernels.tree.work import FRAME_WORK
 from ...model.arrays.tree_elements import CLOSURE_ROW
 from ...model.signals import SAME_SAMPLE, is_sampled
 from ...model.tree import Tree
+from ..step_sequence import StepSequence
 from .assembly import pivot_shares, stray
 from .breakpoints import why_no_step
 from .rows import TreeRows, rows_by_recursion
@@ -39,12 +40,20 @@ class TreeSteps(TreeState):
         """Evaluate the equations at the state, as steps hold it; return the code of the kernel."""
         return self.call(tree_dop853.GO_ON_STEPS if self.in_body_axes else GO_ON)
 
-    def rows_of_steps(self, integrate_rows: Callable[..., Any]) -> Iterator[TreeRows]:
-        """Yield report rows up to the next breakpoint by a compiled integrator, `integrate_rows(report)`."""
+    step_sequence: StepSequence | None = None  # steps to record or to make again
+
+    def rows_of_steps(self, integrate_rows: Callable[[Report, int], int], budget: int) -> Iterator[TreeRows]:
+        """Yield report rows up to the next breakpoint by a compiled integrator.
+
+        integrate_rows(report, budget) makes about `budget` evaluations and returns a code.
+        """
         code = codes.PAUSED
         while self.row < self.tree.time.rows and code != codes.AT_STOP:
             report = self._blank_report(self._times_of_block())
-            code = integrate_rows(report)
+            if self.step_sequence is None:
+                code = integrate_rows(report, budget)
+            else:
+                code = self.step_sequence.fill(integrate_rows, self.clock, report, once=False)
             filled = int(self.clock["row"][0])
             unknown = np.isnan(report.answers[:filled]).any(axis=(1, 2))
             known = int(np.argmax(unknown)) if unknown.any() else filled
@@ -90,7 +99,7 @@ class TreeSteps(TreeState):
         for time in times:
             report = self._blank_report(np.array([time]))
             self.clock["t"], self.state[:] = time, state_at(time)
-            self.integrate_rows(report)
+            self.integrate_rows(report, self.budget)
             reports.append(report)
         self.clock["t"], self.state[:] = t, state
         return self._rows_of(Report(*map(np.concatenate, zip(*reports, strict=True))))
@@ -105,9 +114,13 @@ class TreeSteps(TreeState):
 
         return with_answers(self.tree, block, report)
 
-    def integrate_rows(self, report: Report) -> int:
+    @property
+    def budget(self) -> int:
+        """Evaluations handed to DOP853 at a time."""
+        return 1 + CALL_WORK // (1 + len(self.coordinates))
+
+    def integrate_rows(self, report: Report, budget: int) -> int:
         """Fill report rows by DOP853; its code."""
-        budget = 1 + CALL_WORK // (1 + len(self.coordinates))
         return int(
             tree_dop853.integrate_rows(
                 self.arrays, self.work, self.coordinates, self.integration, report, budget
