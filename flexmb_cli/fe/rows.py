@@ -126,13 +126,11 @@ class RowMatrices:
 
 def is_general(files: list[MatrixFile], nodes: int) -> bool:
     """Return whether files have rows other than x y z of every one of so many nodes."""
-    for file in files:
-        if file.equations is None:
-            if file.size >= 6 * nodes:
-                return True
-        elif np.isin(file.equations[_filled(file)][:, 1], TRANSLATIONS, invert=True).any():
-            return True
-    return False
+    bare = [file.size >= 6 * nodes for file in files if file.equations is None]
+    if bare:
+        return all(bare)
+    labels = [file.equations[_filled(file)][:, 1] for file in files if file.equations is not None]
+    return any(np.isin(components, TRANSLATIONS, invert=True).any() for components in labels)
 
 
 def _filled(file: MatrixFile) -> np.ndarray:
