@@ -202,9 +202,10 @@ class _Points:
         if not given:
             return given
         curves = tuple(replace(c, P_i=self.point(c.P_i), P_j=self.point(c.P_j)) for c in given.curves)
+        rolls = tuple(replace(r, P_i=self.point(r.P_i), P_j=self.point(r.P_j)) for r in given.rolls)
         generals = tuple(replace(c, P_i=self.point(c.P_i), P_j=self.point(c.P_j)) for c in given.generals)
         forces = tuple(map(self._attached, given.forces))
-        return replace(given, forces=forces, curves=curves, generals=generals)
+        return replace(given, forces=forces, curves=curves, rolls=rolls, generals=generals)
 
     def _attached(self, item: Element) -> Element:
         ends = item.measure

@@ -1,4 +1,4 @@
-"""Drivers, force elements and couplings at joints, composite joints, and points on curves.
+"""Drivers, force elements and couplings at joints, composite joints, points on curves, and rolling.
 
 A joint coordinate is the angle of body J against body I about the joint's axis, rad, or the stroke of P_j
 along it, m; both are 0 at the deck's estimates.  Hinges of a tree have the coordinates "rotation 1" to
@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -38,6 +38,20 @@ USUAL_EXPONENT = 10  # of two, of the largest factor of a coupling that is left 
 COORDINATES_OF = {kind.name: kind.coordinates for kind in (*JOINT_TYPES, *NODE_JOINT_TYPES)}
 
 
+class RollType(NamedTuple):
+    """A pair of a shape that rolls and one that it rolls on."""
+
+    code: int  # that of `kernels.rolling`
+    directions: tuple[int, ...]  # numbers of its equations
+
+
+ROLLS = {
+    "plane-sphere": RollType(1, (1, 2, 3)),
+    "plane-disc": RollType(1, (1, 2, 3)),
+    "wheel-wheel": RollType(2, (1, 2)),
+}
+
+
 @dataclass(frozen=True)
 class JointDriver:
     """A joint coordinate that follows a function."""
@@ -59,6 +73,48 @@ class DrivenItem:
     item: int
     function: MotionFunction
     place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Roll:
+    """A disc, sphere or wheel of body j, about P_j, that rolls without slip on a plane or wheel of body i.
+
+    Axes are those of the bodies, unit vectors.
+    """
+
+    name: str
+    kind: str  # of ROLLS
+    i: int
+    j: int
+    P_i: Any
+    P_j: Any
+    axis_i: Vector  # normal of the plane, or axle
+    axis_j: Vector = (0.0, 0.0, 0.0)  # axle of a disc
+    radius_j: float = 0.0  # m
+    radius_i: float = 0.0  # m, of a wheel; negative: it is a ring, in which the other rolls
+    place: Place | None = None
+
+    @property
+    def code(self) -> int:
+        """Return the code of `kernels.rolling`."""
+        return ROLLS[self.kind].code
+
+    @property
+    def directions(self) -> tuple[int, ...]:
+        """Return the numbers of its equations, from 1: along the normal, and across it."""
+        return ROLLS[self.kind].directions
+
+    def lies_across(self, normal: np.ndarray) -> bool:
+        """Return whether the plane that it rolls on is at right angles to that of a motion with `normal`."""
+        return bool(abs(normal @ np.array(self.axis_i)) <= ALIKE)
+
+    @property
+    def across(self) -> Vector:
+        """Return a unit vector at right angles to `axis_i`."""
+        normal = np.array(self.axis_i)
+        found = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+        x, y, z = found / np.linalg.norm(found)
+        return float(x), float(y), float(z)
 
 
 @dataclass(frozen=True)
@@ -252,6 +308,7 @@ class JointElements:
     starts: tuple[JointStart, ...] = ()
     rests: tuple[StartAtRest, ...] = ()
     curves: tuple[Curve, ...] = ()
+    rolls: tuple[Roll, ...] = ()
     signals: tuple[Signal, ...] = ()
 
     def __bool__(self) -> bool:
@@ -265,6 +322,11 @@ class JointElements:
     def first_values(self) -> dict[tuple[int, str], float]:
         """Return the values at the start that are given, by joint and coordinate."""
         return {(item.joint, item.coordinate): item.value for item in self.starts if item.value is not None}
+
+    @property
+    def tracks(self) -> tuple[Roll | Curve, ...]:
+        """Return what rolls and what runs on curves, in the order of their equations."""
+        return (*self.rolls, *self.curves)
 
     def groups(self) -> list[tuple[Any, ...]]:
         """Return the tuples of all types."""

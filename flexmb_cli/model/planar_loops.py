@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .joint_elements import CompositeJoint, Curve
+from .joint_elements import CompositeJoint, Curve, Roll
 from .mechanism import SINE_OF_PARALLELS, Joint, Vector
 from .vectors import cross, length, rotation_matrix
 
@@ -24,7 +24,7 @@ def repeated_in_plane(
     grounds: Sequence[int],
     attitudes: np.ndarray,
     composites: Sequence[CompositeJoint | Joint] = (),
-    curves: Sequence[Curve] = (),
+    tracks: Sequence[Curve | Roll] = (),
 ) -> int | None:
     """Number of repeated equations of planar joints; None unless all of them move in one plane.
 
@@ -47,8 +47,8 @@ def repeated_in_plane(
             parts[item.i] != parts[item.j] or not _lies_in_plane(item, attitudes, normal)
         ):
             return None
-    tied = [curve for curve in curves if parts[curve.i] == parts[curve.j]]
-    if not all(curve.lies_across(_attitude(curve.i, attitudes).T @ normal) for curve in tied):
+    tied = [track for track in tracks if parts[track.i] == parts[track.j]]
+    if not all(track.lies_across(_attitude(track.i, attitudes).T @ normal) for track in tied):
         return None
     return REPEATED_EQUATIONS * loops + sum(OUT_OF_PLANE[item.kind] for item in composites) + len(tied)
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..errors import Place
 from .general_joints import GeneralJoint
-from .joint_elements import Curve, JointElements
+from .joint_elements import Curve, JointElements, Roll
 from .mechanism import TimeGrid, Vector
 from .time_functions import MotionFunction
 
@@ -132,7 +132,7 @@ class Closure:
     The directions are axes of body b, inertial ones for b = -1.  A point is `a_node` of a flexible
     body or, when that is None, `a_point` in the body's axes.  On a `curve` of body b from point b on, the
     directions 1 and 2 are its normals.  Those of a `general` joint are its rows; `turned` (3, 3)
-    takes vectors from the axes of body b to those of body a at the start.
+    takes vectors from the axes of body b to those of body a at the start.  Of a `roll`: its equations.
     """
 
     name: str
@@ -147,6 +147,7 @@ class Closure:
     curve: Curve | None = None
     general: GeneralJoint | None = None
     turned: Any = None
+    roll: Roll | None = None
 
 
 @dataclass(frozen=True)

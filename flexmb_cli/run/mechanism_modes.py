@@ -141,9 +141,16 @@ def kernels_for(
     return nullcontext()
 
 
-def _check_signals(elements: JointElements, wish: Wish) -> None:
-    """Refuse what signals do not have: a linear law if they are sampled, and inputs of a state space."""
+def _check_lines(elements: JointElements, wish: Wish) -> None:
+    """Refuse what signals do not have: a linear law if they are sampled, and inputs of a state space.
+
+    Discs and spheres that roll have more positions than motions, which no equations of vibrations are for.
+    """
     faults = []
+    for roll in elements.rolls:
+        if len(roll.directions) > 2:
+            message = "rolls on a plane: it has more positions than motions, and no modes; leave the line out"
+            faults.append(Fault("error", message, roll.place, roll.name, id="SOLVE-200"))
     for signal in elements.signals:
         if signal.kind == SAMPLE_SIGNAL:
             message = "is sampled: motion between samples has no modes; leave out period= to linearise"
@@ -172,7 +179,7 @@ def _linearised(
     finally:
         run.outcome.faults += analysis.warnings
     run.warn(())
-    _check_signals(elements, wish)
+    _check_lines(elements, wish)
     if wish.equilibrium:
         find_equilibrium(analysis, motion_type)
     motion, A, constant = linearised(analysis, motion_type)

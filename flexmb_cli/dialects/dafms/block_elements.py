@@ -35,7 +35,10 @@ def with_elements(tree: Tree, lines: Sequence[Any], folder: Path, findings: Find
     forces = (*tree.elements.forces, *elements.forces)
     started = replace(tree, **_start(tree, elements))
     closures = (
-        *tree.closures, *_held_ends(started, elements), *_closures(tree, elements, findings),
+        *tree.closures,
+        *_rolling(elements),
+        *_held_ends(started, elements),
+        *_closures(tree, elements, findings),
     )  # fmt: skip
     tree = replace(started, elements=replace(elements, forces=forces, starts=()), closures=closures)
     for item in elements.couplings:
@@ -63,6 +66,21 @@ def _held_ends(tree: Tree, elements: JointElements) -> Iterator[Closure]:
             place=joint.place,
             general=joint,
             turned=of_j.T @ of_i,
+        )
+
+
+def _rolling(elements: JointElements) -> Iterator[Closure]:
+    """Yield the closures of what rolls."""
+    for roll in elements.rolls:
+        yield Closure(
+            roll.name,
+            roll.j,
+            roll.i,
+            roll.directions,
+            a_point=tuple(roll.P_j.r0),
+            b_point=tuple(roll.P_i.r0),
+            place=roll.place,
+            roll=roll,
         )
 
 

@@ -35,6 +35,7 @@ from .functions import Functions
 from .general_joints import general_joint
 from .line import MASS, OUTPUT, UNITS, ElementLine
 from .measures import Measures
+from .rolls import roll_of
 from .signals import built_signals
 from .words import BY_WORD, GENERAL_KEYS, key_of, usage
 
@@ -89,6 +90,7 @@ class BlockBuilder:
             "DRIVE": ("drivers", self.driver),
             "START": ("rests", self._at_rest) if line.begins_at_rest else ("starts", self._start),
             "CURVE": ("curves", self._curve),
+            "ROLL": ("rolls", lambda line: roll_of(line, self.measures)),
         }
         if line.word not in makers:
             message = f"decks of this dialect have no {line.word}; remove the line"

@@ -14,7 +14,7 @@ EQUILIBRIUM = "equilibrium"  # name of a line START without keys: the motion beg
 UNITS = "UNITS"  # word of the consistent system in which the deck's numbers are
 MASS = "MASS"  # word of masses that are added to bodies
 # Words that bring in equations, or take those of the deck away.
-CONSTRAINING = ("DRIVE", "SUPPORT", "COUPLING", "CURVE", "JOINT")
+CONSTRAINING = ("DRIVE", "SUPPORT", "COUPLING", "CURVE", "ROLL", "JOINT")
 
 
 @dataclass(frozen=True)

@@ -53,6 +53,12 @@ OF_FIRST |= dict.fromkeys(("capsule", "cylinder"), ("axis_from", "radius_from"))
 OF_SECOND: dict[str, tuple[str, ...]] = {"point": (), "sphere": ("radius_to",), "box": ("size_to",)}
 OF_SECOND["mesh"] = ("file_to", "unit_to")
 OF_SECOND |= dict.fromkeys(("capsule", "cylinder"), ("axis_to", "radius_to"))
+# Keys of what rolls on what: of the plane or wheel, and of the sphere, disc or wheel.
+ROLL_KEYS: dict[str, tuple[str, ...]] = {
+    "plane-sphere": ("normal", "radius_to"),
+    "plane-disc": ("normal", "axis_to", "radius_to"),
+    "wheel-wheel": ("axis_from", "radius_from", "radius_to"),
+}
 # Quantities of lines OUTPUT: meaning, unit, whether they are vectors, keys that they need.
 _POINTS = ("from", "to")
 OUTPUTS: dict[str, tuple[str, str, bool, tuple[str, ...]]] = {
@@ -259,6 +265,21 @@ WORDS = (
             Key("begin", "parameter at which the curve begins"),
             Key("end", "parameter at which it ends"),
         ),
+    ),
+    BlockWord(
+        "ROLL",
+        "disc, sphere or wheel about `to` that rolls without slip on the plane through `from`, or on the "
+        "wheel about it; axles of two wheels are parallel",
+        (
+            *_ENDS,
+            Key("normal", "outward normal of the plane, axes of its body", VECTOR),
+            Key("axis_from", "axle of the wheel about `from`, axes of its body", VECTOR),
+            Key("axis_to", "axle of the disc, axes of its body", VECTOR),
+            Key("radius_from", "radius of the wheel about `from`; negative: a ring, in which the other rolls",
+                units=("m", "m")),
+            Key("radius_to", "radius of the disc, sphere or wheel about `to`", units=("m", "m")),
+        ),
+        kinds=tuple(ROLL_KEYS),
     ),
     BlockWord(
         "JOINT",

@@ -37,6 +37,7 @@ from .elements import add_unit_friction
 from .forces import add_applied_forces
 from .mass_matrix import inertia_and_elastic_forces, mass_matrices, mass_times
 from .multipliers import fill_multipliers
+from .rolling_rows import has_rolling
 from .speeds import add_turning, coordinate_rates, speed_jacobian
 from .system import (
     FORCES,
@@ -349,9 +350,10 @@ def _fill_gamma(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: flo
     u.
     """
     qd, gamma = work.vectors[QD], work.rows[GAMMA]
-    if system.constraints.shape[0] > 0:
+    if system.constraints.shape[0] > 0 or has_rolling(system.primitives):
         coordinate_rates(system.masses.shape[0], q, u, qd)
         rotation_rates(q, qd, work.rotations[RATE], work.rotations[REMAINDER])
+    if system.constraints.shape[0] > 0:
         equations.acceleration(system.constraints, q, qd, t, work.rotations, gamma)
         add_turning(system.bodies, q, u, work.phi_q, gamma)
     equation_accelerations(system, work, t, gamma)

@@ -20,6 +20,7 @@ from ..curves import curve_values, nearest_parameter, normal, stretch
 from ..linalg.rotation import TURN
 from ..linalg.vec3 import dot, minus
 from .body_vectors import RATE, REMAINDER, VECTOR, Geometry, add_vector_row, geometry_of, vector
+from .rolling_rows import add_rolling_row, rolling_gap, rolling_rates
 from .system import PRODUCT, System, Work
 from .time_functions import function_values
 
@@ -149,6 +150,8 @@ def _in_chain(system: System, work: Work, k: int, expected: np.ndarray) -> tuple
 @kernel
 def chain_value(system: System, work: Work, k: int, expected: np.ndarray) -> float:
     """Value of primitive k and of those that are added to it; expected: the angles expected, rad."""
+    if system.primitives[k]["roll"] > 0:
+        return rolling_gap(system, work, k)
     if system.primitives[k]["track"] >= 0:
         return _track_value(system, work, k, expected)
     value, k = _in_chain(system, work, k, expected)[0], system.primitives[k]["next"]
@@ -161,6 +164,8 @@ def chain_value(system: System, work: Work, k: int, expected: np.ndarray) -> flo
 @kernel
 def chain_rates(system: System, work: Work, k: int) -> tuple[float, float]:
     """Rate of a chain, and its second derivative without those of the coordinates, at moved body vectors."""
+    if system.primitives[k]["roll"] > 0:
+        return rolling_rates(system, work, k)
     if system.primitives[k]["track"] >= 0:
         return track_rates(system, work, k, work.angles)
     rate, rest = _rates_in_chain(system, work, k)
@@ -183,6 +188,9 @@ def _rates_in_chain(system: System, work: Work, k: int) -> tuple[float, float]:
 @kernel
 def add_chain_row(system: System, work: Work, k: int, factor: float, row: np.ndarray) -> None:
     """Add factor times the derivative of a chain by the speeds to row (n,)."""
+    if system.primitives[k]["roll"] > 0:
+        add_rolling_row(system, work, k, factor, row)
+        return
     if system.primitives[k]["track"] >= 0:
         _add_track_row(system, work, k, factor, row)
         return

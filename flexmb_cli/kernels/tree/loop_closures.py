@@ -4,7 +4,7 @@ A closure keeps p_a - p_b at zero along axes of body b.  Where point a may move 
 of b, its velocity is compared with that of the point of body b just there.  A coupling keeps c . q at its
 value; its force acts as the efforts c along the coordinates.  A point on a curve of body b has two rows,
 along the curve's normals (`curves`).  A row that holds a turn keeps w . v, of a vector w of body a and v of
-body b; its force acts as torques of ±(w x v).
+body b; its force acts as torques of ±(w x v).  Rolling has two or three rows, one with a gap (`rolling`).
 
 DAFMS thesis (1992), section 3.4, reduces the equations to independent speeds, y = A y_i + B, which
 makes the closure forces drop out since J A = 0 (3.17-3.25).  Here the same equations are solved for
@@ -36,6 +36,7 @@ from ..linalg.vec3 import (
     store,
     triple,
 )
+from ..rolling import contact_advance, rolling_contact, rolling_direction
 from .unit_forces import clear_unit_forces, respond, unit_force
 
 if TYPE_CHECKING:
@@ -69,6 +70,9 @@ def evaluate_rows(tree: "TreeArrays", work: np.ndarray, q: np.ndarray, y: np.nda
             continue
         if row["type"] == TURN_ROW:
             _evaluate_turn(row, a, b)
+            continue
+        if row["roll"] > 0:
+            _evaluate_rolling(row, a, b)
             continue
         direction = column(b["axes"], row["axis"])
         if row["type"] == VECTOR_ROW:
@@ -129,6 +133,25 @@ def _evaluate_track(tree: "TreeArrays", row: np.void, a: np.void, b: np.void) ->
     store(place, row["place"], 0)
     row["gap"], row["rate"] = dot(n, minus(p, c)), dot(row["direction"], velocity)
     row["bend"] = -dot(n, bend) * advance * advance
+
+
+@kernel
+def _evaluate_rolling(row: np.void, a: np.void, b: np.void) -> None:
+    """Set what `evaluate_rows` does of a rolling body, and what the way of the contact adds."""
+    u, x = outward(b["axes"], triple(row["normal"], 0)), outward(a["axes"], triple(row["axle"], 0))
+    centre = plus(triple(a["position"], 0), outward(a["axes"], triple(row["point_a"], 0)))
+    origin = plus(triple(b["position"], 0), outward(b["axes"], triple(row["point_b"], 0)))
+    kind, d, radius, other = row["roll"], minus(centre, origin), row["radius"][0], row["radius"][1]
+    n, arm, gap = rolling_contact(kind, u, x, d, radius, other)
+    place = plus(centre, arm)
+    e = rolling_direction(kind, row["axis"], u, outward(b["axes"], triple(row["across"], 0)), n)
+    w = minus(triple(a["angular"], 0), triple(b["angular"], 0))
+    advance = contact_advance(kind, u, x, d, radius, other, w, _relative_velocity(a, b, centre))
+    store(e, row["direction"], 0)
+    store(place, row["place"], 0)
+    row["gap"] = gap if row["axis"] == 0 else 0.0
+    row["rate"] = dot(e, _relative_velocity(a, b, place))
+    row["bend"] = dot(e, cross(w, advance))
 
 
 @kernel

@@ -44,7 +44,7 @@ from .records import (
 )
 from .records import FRICTION as FRICTION_LOAD
 from .signals import signal_arrays
-from .tracks import add_curve
+from .tracks import add_curve, add_roll
 
 if TYPE_CHECKING:
     from ..tree_as_mechanism.hinges import HingeJoints
@@ -133,7 +133,10 @@ class ElementTable:
         self._bushings = 0  # so far
 
     def add_couplings(self) -> None:
-        """The equations of general joints and curves, and one for every coupling of joint coordinates."""
+        """The equations of what rolls, of general joints and curves, and one for every coupling."""
+        for roll in self.elements.rolls:
+            centre, point = self._end(roll.j, roll.P_j), self._end(roll.i, roll.P_i)
+            add_roll(self.table, roll, centre, point, (roll.i, roll.j))
         for joint in self.elements.generals:
             gap = self._end(joint.j, joint.P_j), self._end(joint.i, joint.P_i)
             self.table.general_joint(joint, gap, self.table.A(joint.j).T @ self.table.A(joint.i))

@@ -79,6 +79,9 @@ PRIMITIVE = np.dtype(
         # parameter, of which the angle `turn` is an estimate; `f`: a vector across the curve, `curve`: its
         # functions.
         ("track", np.int64),  # -1: none
+        ("roll", np.int64),  # rolling on a plane or a wheel, see `kernels.rolling`, 0: none
+        ("direction", np.int64),  # of its equation
+        ("radius", np.float64, 2),  # of rolling: of the disc on body a, of the wheel on body b, m
     ]
 )
 

@@ -1,15 +1,19 @@
-"""Points on curves → equations of constrained mechanisms: gaps along the normals, and the parameter."""
+"""Points on curves, and rolling → equations of constrained mechanisms.
+
+Of points on curves: gaps along the normals, and the parameter.
+"""
 
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..joint_elements import Curve
+from ..joint_elements import Curve, Roll
 
 if TYPE_CHECKING:
     from .constraint_table import PrimitiveTable
 
 NORMALS = "1st normal", "2nd normal"
+ROLLING = "normal", "1st direction across", "2nd direction across"
 
 
 def add_curve(
@@ -35,3 +39,19 @@ def add_curve(
     parts = [(name, True, table.chained(track(k))) for k, name in enumerate(NORMALS)]
     table.equations(curve.name, curve.place, *bodies, parts)
     table.tracks.append(track(len(NORMALS)))
+
+
+def add_roll(table: "PrimitiveTable", roll: Roll, centre: int, point: int, bodies: tuple[int, int]) -> None:
+    """Add the equations of a disc of the second of `bodies` that rolls on the first; body vectors of both."""
+    i, j = bodies
+    record = table.product((centre, point), table.body_vector(i, roll.axis_i))
+    record["roll"], record["radius"] = roll.code, (roll.radius_j, roll.radius_i)
+    record["f"] = table.body_vector(i, roll.across)
+    if any(roll.axis_j):
+        record["h"] = table.body_vector(j, roll.axis_j)
+    parts = []
+    for number in roll.directions:
+        own = record.copy()
+        own["direction"] = number - 1
+        parts.append((ROLLING[number - 1], True, own))
+    table.equations(roll.name, roll.place, i, j, parts)

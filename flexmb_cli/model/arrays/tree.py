@@ -258,6 +258,10 @@ def _closure_rows(
             row["point_a"], row["point_b"], row["coupling"], row["curve"] = point_a, point_b, -1, first
             if c.curve:
                 row["across"], row["parameter"] = c.curve.across, c.curve.begin
+            elif c.roll:
+                row["roll"], row["across"] = c.roll.code, c.roll.across
+                row["axle"], row["normal"] = c.roll.axis_j, c.roll.axis_i
+                row["radius"] = c.roll.radius_j, c.roll.radius_i
             if c.general:
                 for field, value in general[axis - 1].items():
                     row[field] = value

@@ -73,14 +73,18 @@ CLOSURE_ROW = np.dtype(
         ("point_a", np.float64, 3),  # axes of frame a, m; of a turn the unit vector w of frame a
         ("point_b", np.float64, 3),  # axes of frame b, m
         ("type", np.int64),  # of a closed direction: AXIS_ROW, VECTOR_ROW or TURN_ROW
-        ("axis", np.int64),  # 0, 1, 2 of frame b; 0, 1 of a point on a curve: its normal
+        ("axis", np.int64),  # 0, 1, 2 of frame b; of a point on a curve its normal, of rolling its direction
         ("coupling", np.int64),  # number of the coupling, -1: a closed direction
         ("value", np.float64),  # which the sum of a coupling keeps, m or rad, or w . v of a turn
         ("curve", np.int64),  # function of a cam, or first of three of a curve, among `curves`, -1: none
         ("cam", np.int64),  # coordinate that the function of a cam is of
-        ("bend", np.float64),  # what a cam or curve adds to the gap's second derivative, m/s² or rad/s²
+        ("bend", np.float64),  # what cam, curve or rolling adds to the second rate, m/s² or rad/s²
         # Unit vector, axes of frame b: nowhere along a curve; the closed direction; v of a turn.
         ("across", np.float64, 3),
+        ("roll", np.int64),  # rolling on a plane or a wheel, see `kernels.rolling`, 0: none
+        ("axle", np.float64, 3),  # of the disc, axes of frame a, or zeros
+        ("normal", np.float64, 3),  # of the plane, or axle of the wheel, axes of frame b
+        ("radius", np.float64, 2),  # of the disc on frame a, of the wheel on frame b, m
         ("parameter", np.float64),  # of a curve at the point, found last, its own unit
         ("advance", np.float64),  # rate of the parameter, per s
         ("direction", np.float64, 3),  # of that axis, inertial axes

@@ -58,9 +58,9 @@ class Conversion(ABC):
         for joint in elements.generals:
             message = "lines JOINT of this type are not converted; give the joint anew in the other deck"
             self.refusals.add(joint, message, id="SOLVE-184")
-        for curve in elements.curves:
-            message = "points on curves are not converted; give the curve anew in the other deck"
-            self.refusals.add(curve, message, id="MODEL-030")
+        for track in elements.tracks:
+            message = "points on curves and rolling bodies are not converted; give them anew"
+            self.refusals.add(track, message, id="MODEL-030")
         cards = tuple(self.shape(shape.card) for shape in shapes if shape.card)
         model = replace(self.model(), shapes=cards)
         self.refusals.raise_faults()

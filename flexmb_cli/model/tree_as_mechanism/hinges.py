@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arrays.constraint_table import PrimitiveTable
 from ..arrays.records import FORCE, TORQUE, vector_load
-from ..arrays.tracks import add_curve
+from ..arrays.tracks import add_curve, add_roll
 from ..time_functions import POLYNOMIAL, MotionFunction
 from ..tree import INERTIAL, ROTATION, TRANSLATION, Hinge, Tree
 from ..vectors import rotation_matrix
@@ -139,6 +139,9 @@ def add_closures(table: PrimitiveTable, tree: Tree) -> None:
             continue
         if closure.general:
             table.general_joint(closure.general, gap, closure.turned)
+            continue
+        if closure.roll:
+            add_roll(table, closure.roll, *gap, (closure.b, closure.a))
             continue
         parts = [
             (f"direction {axis}", True, table.product(gap, table.body_vector(closure.b, np.eye(3)[axis - 1])))

@@ -128,6 +128,8 @@ def repeated_in_planar_tree(tree: Tree) -> int | None:
     return sum(
         closure.curve.lies_across(_axes_of(closure.b, poses).T @ normal)
         if closure.curve
+        else len(closure.directions) == 3
+        if closure.roll
         else _contains_normal(closure.directions, _axes_of(closure.b, poses), normal)
         for closure in tree.closures
     )

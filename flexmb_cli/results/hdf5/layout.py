@@ -207,10 +207,13 @@ GENERAL_SERIES = {
         ("torque", "N m", "torque of the joint on its second body about the point there, global axes"),
     )
 }
+ROLLS = "roll/roll"
+ROLL_SERIES = {
+    "roll_force": Series("roll/force", (ROLLS, "xyz"), "N", "force at the contact on what rolls, global axes")
+}
 SIGNAL_SERIES = {"signal_value": Series("signal/value", (SIGNALS,), "1", "value of the signal, SI units")}
-OF_ELEMENTS = (
-    ELEMENT_SERIES | COUPLING_SERIES | CONTACT_SERIES | CURVE_SERIES | GENERAL_SERIES | SIGNAL_SERIES
-)
+OF_TRACKS = CURVE_SERIES | GENERAL_SERIES | ROLL_SERIES
+OF_ELEMENTS = ELEMENT_SERIES | COUPLING_SERIES | CONTACT_SERIES | OF_TRACKS | SIGNAL_SERIES
 
 
 def with_elements(layout: Layout, elements: JointElements, springs: Sequence[Element] = ()) -> Layout:
@@ -229,6 +232,8 @@ def with_elements(layout: Layout, elements: JointElements, springs: Sequence[Ele
         axes.append(numbered_axis("curve", [curve.name for curve in elements.curves]))
     if elements.generals:
         axes.append(numbered_axis("general", [joint.name for joint in elements.generals]))
+    if elements.rolls:
+        axes.append(numbered_axis("roll", [roll.name for roll in elements.rolls]))
     if signals := [signal.name for signal in elements.signals if signal.name]:
         axes.append(numbered_axis("signal", signals))
     present = {axis.path for axis in axes}

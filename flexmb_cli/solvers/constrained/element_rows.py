@@ -45,6 +45,7 @@ class ElementAnswers:
     curve_force: np.ndarray  # (T, curves, 3) on the point, global axes, N
     general_force: np.ndarray  # (T, general joints, 3) on body J, global axes, N
     general_torque: np.ndarray  # (T, general joints, 3) on body J about P_j, global axes, N m
+    roll_force: np.ndarray  # (T, rolls, 3) on what rolls, at the contact, global axes, N
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,7 @@ def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> 
         **element_answers(report, first, model.elements),
         coupling_effort=coupling_efforts(report, arrays, model.elements),
         curve_force=curve_forces(report, arrays, model.elements),
+        **roll_forces(report, arrays, model.elements),
         **general_forces(report, first_general(arrays, model.elements), model.elements.generals),
         **_composite_forces(model, arrays, report),
     )
@@ -90,12 +92,22 @@ def coupling_efforts(
 
 def curve_forces(report: Report, arrays: SystemArrays, elements: JointElements) -> np.ndarray:
     """Forces (T, curves, 3) on the points, global axes; the ground's are those that body I bears."""
-    end = len(arrays.groups) - len(elements.couplings) - len(elements.drivers)
-    first = end - len(elements.curves)
-    sides = [report.wrenches[:, first + k, 1 if c.j >= 0 else 0, :3] for k, c in enumerate(elements.curves)]
-    signs = [1.0 if c.j >= 0 else -1.0 for c in elements.curves]
-    forces = [sign * side + 0.0 for sign, side in zip(signs, sides, strict=True)]
-    return np.stack(forces, axis=1) if forces else np.zeros((len(report.times), 0, 3))
+    return _forces(report, first_general(arrays, elements) + len(elements.generals), elements.curves)
+
+
+def roll_forces(report: Report, arrays: SystemArrays, elements: JointElements) -> dict[str, np.ndarray]:
+    """Forces (T, rolls, 3) on what rolls, whose groups precede those of general joints."""
+    first = first_general(arrays, elements) - len(elements.rolls)
+    return {"roll_force": _forces(report, first, elements.rolls)}
+
+
+def _forces(report: Report, first: int, items: Sequence[Any]) -> np.ndarray:
+    """Forces (T, items, 3) on body J, or that body I bears, of groups from `first` on."""
+    forces = np.zeros((len(report.times), len(items), 3))
+    for k, item in enumerate(items):
+        side, sign = (1, 1.0) if item.j >= 0 else (0, -1.0)
+        forces[:, k] = sign * report.wrenches[:, first + k, side, :3] + 0.0
+    return forces
 
 
 def curve_motion(elements: JointElements, parameters: np.ndarray, rates: np.ndarray) -> dict[str, np.ndarray]:
@@ -143,7 +155,7 @@ def _wrench(report: Report, group: int, i: int, j: int, P_j: Any) -> tuple[np.nd
 def _composite_forces(model: DynamicModel, arrays: DynamicArrays, report: Report) -> dict[str, np.ndarray]:
     """Forces and torques (T, composite joints, 3) on body J at P_j."""
     composites = model.elements.composites
-    first = first_general(arrays, model.elements) - len(composites)
+    first = first_general(arrays, model.elements) - len(model.elements.rolls) - len(composites)
     force, torque = (np.zeros((len(report.times), len(composites), 3)) for _ in range(2))
     for k, item in enumerate(composites):
         force[:, k], torque[:, k] = _wrench(report, first + k, item.i, item.j, item.P_j)
@@ -233,5 +245,6 @@ def flexible_element_rows(
         **element_answers(report, first, mechanism.elements),
         coupling_effort=coupling_efforts(report, arrays, mechanism.elements),
         curve_force=curve_forces(report, arrays, mechanism.elements),
+        **roll_forces(report, arrays, mechanism.elements),
         **general_forces(report, first_general(arrays, mechanism.elements), mechanism.elements.generals),
     )

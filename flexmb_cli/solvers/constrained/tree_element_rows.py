@@ -39,7 +39,7 @@ def with_elements(tree: Tree, arrays: SystemArrays, rows: TreeRows, report: Repo
         **element_answers(report, first, tree.elements),
         driver_effort=report.multipliers[:, rows_of_drivers(tree, arrays)].copy(),
         coupling_effort=coupling_efforts(report, arrays, tree.elements, len(tree.closures)),
-        curve_force=forces_on_curves(tree, rows),
+        **track_forces(tree, rows),
         **general_forces(report, _first_general(tree, len(arrays.groups)), tree.elements.generals),
     )
 
@@ -57,9 +57,12 @@ def rows_of_drivers(tree: Tree, arrays: SystemArrays) -> np.ndarray:
     return arrays.groups["first_row"][groups]
 
 
-def forces_on_curves(tree: Tree, rows: TreeRows) -> np.ndarray:
-    """Forces (T, curves, 3) on points on curves, whose closures are the last ones."""
-    return rows.closure_force[:, len(tree.closures) - len(tree.elements.curves) :]
+def track_forces(tree: Tree, rows: TreeRows) -> dict[str, np.ndarray]:
+    """Forces (T, rolls or curves, 3) on what rolls and on points on curves, general joints between them."""
+    end = len(tree.closures)
+    first, curves = _first_general(tree, end), end - len(tree.elements.curves)
+    rolls = slice(first - len(tree.elements.rolls), first)
+    return {"roll_force": rows.closure_force[:, rolls], "curve_force": rows.closure_force[:, curves:]}
 
 
 def _first_general(tree: Tree, end: int) -> int:
@@ -100,7 +103,7 @@ def with_answers(tree: Tree, rows: TreeRows, report: Any) -> TreeElementRows:
         **answers_of(tree.elements, report.answers, works, report.signals),
         coupling_effort=report.closures["force"][:, len(report.closures[0]) - len(scales) :] / scales,
         **curve_motion(tree.elements, tracks["parameter"], tracks["advance"]),
-        curve_force=forces_on_curves(tree, rows),
+        **track_forces(tree, rows),
         **_forces_of_generals(tree, rows, report.closures),
         driver_effort=report.drives,
     )

@@ -15,7 +15,7 @@ from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
 from ...model.arrays.dynamic import DynamicArrays, dynamic_arrays, step_length_scale
 from ...model.arrays.young_elements import rigid_point, without_driven
-from ...model.joint_elements import JointDriver
+from ...model.joint_elements import Curve, JointDriver, Roll
 from ...model.joints import DRIVER
 from ...model.loads import DynamicModel
 from ...model.planar_loops import repeated_in_plane
@@ -39,7 +39,7 @@ class ForwardDynamics(LinearisableMotion):
         self.model = model
         self.mechanism = model.mechanism
         self.velocities, self.springs = model.velocities, model.springs
-        if model.elements.composites or model.elements.curves:
+        if model.elements.composites or model.elements.tracks:
             self.usual_words = self.usual_words[0], "those out of the plane"
         bodies, units = len(model.mechanism.bodies), self.integration.units
         for part in (units[: 7 * bodies].reshape(-1, 7), units[7 * bodies : 13 * bodies].reshape(-1, 6)):
@@ -63,9 +63,10 @@ class ForwardDynamics(LinearisableMotion):
         grounds = [ground.body for ground in self.mechanism.grounds]
         attitudes = q[: 7 * bodies].reshape(bodies, 7)[:, 3:]
         elements = self.model.elements
-        return repeated_in_plane(
-            self.mechanism.joints, grounds, attitudes, elements.composites, elements.curves
-        )
+        # Wheels on wheels have no equation out of the plane.
+        rolls = [roll for roll in elements.rolls if len(roll.directions) == 3]
+        tracks: list[Curve | Roll] = [*elements.curves, *rolls]
+        return repeated_in_plane(self.mechanism.joints, grounds, attitudes, elements.composites, tracks)
 
     def given_rates(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[Any, ...]]:
         """Rows, right-hand sides and names of the joint rates that the deck gives."""

@@ -194,9 +194,11 @@ def test_every_dynamic_deck_stands_in_the_readme():
             "IN-ELEMENTS",
             "IN-HOLD",
             "IN-LINK",
+            "IN-MACHINE",
             "IN-PAIR",
             "IN-PID",
             "IN-RAIL",
+            "IN-ROLL",
         )
         if f"`{stem}`" in text
     }

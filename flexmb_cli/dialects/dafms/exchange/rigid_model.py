@@ -130,7 +130,7 @@ class _Conversion(Conversion):
                           place=hinge.place)  # fmt: skip
 
     def _closures(self) -> Iterator[Any]:
-        for closure in (c for c in self.tree.closures if not (c.curve or c.general)):
+        for closure in (c for c in self.tree.closures if not (c.curve or c.general or c.roll)):
             if len(closure.directions) < 3 and not self._is_planar(closure):
                 message = "a closure of some directions is converted in planar mechanisms only"
                 self.refusals.add(closure, message, id="DAFMS-183")
