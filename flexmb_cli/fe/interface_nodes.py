@@ -13,6 +13,7 @@ import numpy as np
 from ..model.diagnostics import Findings
 from ..model.flexible_body import FlexibleBody, FlexibleInput, InterfaceNode
 from .formats.matrix_file import MODAL, FEFileFault, MatrixFile
+from .linear_algebra import summed, without_diagonal
 
 # Smallest moment of inertia of a mean's nodes, relative to the largest, that has a rotation.
 LEAST_INERTIA = 1e-9
@@ -81,8 +82,6 @@ def tied(file: MatrixFile, given: FlexibleInput) -> MatrixFile:
     carried = carried_by(given.interfaces)
     if not carried:
         return file
-    from scipy import sparse  # few bodies have interface nodes
-
     labels = _labels(file, given)
     order, kept = _order(labels, carried, given)
     row_of = {label: i for i, label in enumerate(order)}
@@ -95,14 +94,15 @@ def tied(file: MatrixFile, given: FlexibleInput) -> MatrixFile:
             arm = given.positions[place[node]] - one.position
             row = rigid_row(component, arm, *axes)
             entries += [(i, row_of[one.node, c + 1], value) for c, value in enumerate(row)]
-    rows, columns, values = zip(*entries, strict=True)
-    B = sparse.csr_matrix((values, (rows, columns)), shape=(len(labels), len(order)))
-    A = sparse.csr_matrix((file.values, (file.rows, file.columns)), shape=(file.size, file.size))
-    if file.one_triangle:
-        A = A + A.T - sparse.diags(A.diagonal())
-    product = (B.T @ A @ B).tocoo()
+    size = max(len(labels), len(order))  # B is square, with zeros
+    rows, columns, values = (np.array(part) for part in zip(*entries, strict=True))
+    B = summed(values, rows, columns, size)
+    A = summed(file.values, file.rows, file.columns, size)
+    product = B.T @ (A + without_diagonal(A).T if file.one_triangle else A) @ B
+    i, j = product.nonzero()
     equations = np.array(order, dtype=np.int64).reshape(-1, 2)
-    return MatrixFile(len(order), product.row, product.col, product.data, False, equations, file.digits)
+    filled = np.asarray(product[i, j]).ravel()
+    return MatrixFile(len(order), i, j, filled, False, equations, file.digits)
 
 
 def rigid_row(component: int, arm: np.ndarray, axes: np.ndarray, axes_of_interface: np.ndarray) -> np.ndarray:

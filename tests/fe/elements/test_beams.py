@@ -15,7 +15,9 @@ from flexmb_cli.fe.elements.beams import beam_matrix, matrix_of_beams
 from flexmb_cli.fe.formats.beam_elements import has_beams, read_beams
 from flexmb_cli.fe.formats.matrix_file import FEFileFault
 from flexmb_cli.fe.formats.node_table import read_node_table
+from flexmb_cli.interface import solve
 from flexmb_cli.model.flexible_body import ElementMaterial, FEFile
+from tests.fe.row_bodies.row_decks import DECKS, motion
 
 EXACT = Path(__file__).parents[1] / "formats" / "reduced" / "beam_g.npz"
 WIDTH, HEIGHT = 0.01, 0.02
@@ -146,3 +148,13 @@ def test_a_file_with_solid_elements_is_no_file_of_beams(tmp_path):
     assert has_beams(tmp_path / "x")
     (tmp_path / "x").write_text(GRIDS + BARS + PBAR + "CHEXA,1,1,1,2,3,4,5,6\n,7,8\n")
     assert not has_beams(tmp_path / "x")
+
+
+@pytest.mark.long_motion
+def test_a_beam_of_elements_on_a_crank_moves_like_a_geometrically_exact_beam():
+    """beam_elements.vsdf: the problem of tests/fe/row_bodies, whose beam is exact to 2e-5 m."""
+    result = solve(DECKS / "beam_elements.vsdf")
+    times, places, _ = motion("beam_pendulum_truth")
+    tip = np.column_stack([result[f"point.1.{x}"] for x in "xyz"])
+    assert times == pytest.approx(result["time"], abs=1e-12)
+    assert np.linalg.norm(tip - places, axis=1).max() < 3e-4

@@ -1,7 +1,7 @@
-"""Cards RBE3 and FEMD of VSDF decks: nodes that move as the mean of others, viscous damping of a file.
+"""Cards RBE2, RBE3 and FEMD of VSDF decks: nodes carried, and means of nodes; viscous damping of a file.
 
 Expected: the node set of the same nodes, the same forces at the nodes themselves, and damping proportional to
-the stiffness by DAMP.
+the stiffness by DAMP; impulse and moment of inertia of a rod on a hinge, and a pair of forces for a moment.
 """
 
 import h5py
@@ -11,7 +11,9 @@ from click.testing import CliRunner
 from scipy.io import mmread, mmwrite
 
 from flexmb_cli.cli.run import run
+from flexmb_cli.errors import DeckError
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
+from flexmb_cli.interface import read_deck, solve
 from tests.dialects.vsdf.vsdf_decks import DECKS, build, supplied
 
 # The free end of the pendulum, its middle, and a corner of it.
@@ -112,3 +114,40 @@ def test_cards_that_cannot_be_used_are_refused(case, tmp_path):
     done = CliRunner().invoke(run, [str(path), "-o", str(tmp_path)])
     assert done.exit_code == 2
     assert words in done.output
+
+
+def hinge(*cards, end="0.3,0.005"):
+    """The supplied deck with other cards of loads."""
+    text = supplied("hinge_moment", ("0.3,0.005", end)).replace("fe/", f"{DECKS}/fe/")
+    first, last = text.index("TORQ\n"), text.index("OUTN\n")
+    return solve(read_deck(text[:first] + "".join(cards) + text[last:]))
+
+
+MOMENT = "TORQ\n    1,0.0,-2e-3,0.0,0,1,901\n"
+LOAD = "FORC\n    1,903,0.0,0.02,0.0,0,1\n"
+
+
+@pytest.mark.long_motion
+def test_a_moment_on_a_rigid_hinge_is_a_pair_of_forces_on_the_nodes_that_it_carries():
+    """Nodes 1 and 2 are 0.015 m apart along z; the pair turns by the hinge's 6e-3 rad against the frame."""
+    pair = "    1,1,0.13333333333333333,0.0,0.0,1,1\n    1,2,-0.13333333333333333,0.0,0.0,1,1\n"
+    ours, expected = hinge(MOMENT, LOAD), hinge(LOAD, pair)
+    for name in (f"point.{point}.{axis}" for point in (2, 3) for axis in "xyz"):
+        assert ours[name] == pytest.approx(expected[name], abs=1e-7), name
+    assert np.ptp(ours["point.3.z"]) > 4e-3 and np.ptp(ours["point.3.y"]) > 1e-3
+
+
+@pytest.mark.long_motion
+def test_the_impulse_of_a_moment_turns_the_rod_about_its_hinge():
+    """M t / 2 = 2e-4 N m s, J = m (L²/3 + h²/12) of the rod of 0.26 kg, 0.1 x 0.015 m about its end."""
+    result = hinge(MOMENT, end="2.2,0.02")
+    later = result["time"] > 0.2
+    angle = np.arctan2(result["point.3.z"] - 0.0075, result["point.3.x"])
+    rate = np.polyfit(result["time"][later], angle[later], 1)[0]
+    assert rate == pytest.approx(2e-4 / (0.26 * (0.1**2 / 3 + 0.015**2 / 12)), rel=1e-4)
+
+
+def test_what_an_interface_node_carries_stands_in_no_set_and_no_frame():
+    for cards in ("CLMP\n    1,1,49,50\n", "NSET\n    1,900,1,49\n", "RBE3\n    1,904,1,49,50\n"):
+        with pytest.raises(DeckError, match="node 1 has no rows of its own, since interface node 901"):
+            build(supplied("hinge_moment", ("ARMN\n", f"{cards}ARMN\n")))
