@@ -43,6 +43,14 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="Write the state space A, B, C, D: FILE.npz (NumPy), FILE.mat (MATLAB) or FILE.json.",
 )
+@click.option("--response", nargs=2, metavar="INPUT OUTPUT",
+              help="Print the frequency response of an output of the state space to an input.")  # fmt: skip
+@click.option("--frequencies", nargs=2, type=Finite(), metavar="LOW HIGH",
+              help="Frequencies of the response, Hz [default: about those of the modes].")  # fmt: skip
+@click.option("--bode", type=WrittenPlace(), metavar="FILE",
+              help="Write it: FILE.csv, or Bode and Nyquist diagrams as FILE.png, .svg or .pdf.")  # fmt: skip
+@click.option("--psd", metavar="FILE.csv",
+              help="Print the root mean square for this power spectral density of INPUT.")  # fmt: skip
 @VERBOSE
 def modes(
     decks: tuple[str, ...], echo: bool, as_json: bool, quiet: bool, verbose: bool, out: Any, **options: Any
@@ -60,10 +68,19 @@ def modes(
     from ..run.modes import modes_of_deck
 
     _refuse_output(out, decks)
+    asked = {name: options.pop(name) for name in ("response", "frequencies", "bode", "psd")}
+    _refuse_response(asked, decks)
     progress = Progress("modes", "decks", quiet, verbose)
     listener = Listener(notice=progress.notice, status=progress.status)
     codes = []
-    wish = Wish(options.pop("time"), options.pop("equilibrium"), state_space=as_json, out=out)
+    responds = bool(asked["response"])
+    wish = Wish(
+        options.pop("time"),
+        options.pop("equilibrium"),
+        state_space=as_json or responds,
+        out=out,
+        responds=responds,
+    )
     choices = RunOptions(debug=wants_debug(), **options)
     for report in every_deck(
         decks, choices, quiet, lambda deck: modes_of_deck(deck, wish, choices, listener)
@@ -74,6 +91,8 @@ def modes(
             click.echo(json.dumps(report.as_dict()))
         elif report.deck:
             _print_modes(report, echo, quiet)
+            if asked["response"] and report.mechanism:
+                _show_response(report.mechanism.space, asked, quiet)
             if out is not None and not quiet and report.outcome.exit_code == 0:
                 notify(f"{report.outcome.deck} → {out}, state space")
         codes.append(report.outcome.exit_code)
@@ -92,6 +111,34 @@ def _refuse_output(out: None, decks: tuple[str, ...]) -> None:
     if len(decks) > 1:
         raise WrongCall("--out takes the state space of one deck; call modes for each deck", id="CLI-025")
     refuse_inputs(out, decks, "--out")
+
+
+def _refuse_response(asked: dict[str, Any], decks: tuple[str, ...]) -> None:
+    """Refuse options of a response that do not go together."""
+    ends, bode = asked["frequencies"], asked["bode"]
+    if not asked["response"] and any(asked.values()):
+        raise WrongCall("--frequencies, --bode and --psd belong to --response INPUT OUTPUT", id="CLI-111")
+    if ends and not 0.0 < ends[0] < ends[1]:
+        raise WrongCall("--frequencies LOW HIGH: 0 < LOW < HIGH, Hz", id="CLI-115")
+    if bode and Path(bode).suffix.lower() not in (".csv", ".png", ".svg", ".pdf"):
+        raise WrongCall(f"--bode {bode}: end the name with .csv, .png, .svg or .pdf", id="CLI-116")
+    if bode and len(decks) > 1:
+        raise WrongCall("--bode takes the response of one deck; call modes for each deck", id="CLI-117")
+    if bode:
+        refuse_inputs(bode, decks, "--bode")
+
+
+def _show_response(space: Any, asked: dict[str, Any], quiet: bool) -> None:
+    from .options.response import random_line, response_lines, response_of, write_response
+
+    response = response_of(space, asked["response"], asked["frequencies"])
+    lines = response_lines(response)
+    if asked["psd"]:
+        lines.append(random_line(response, asked["psd"]))
+    if not quiet:
+        show("".join(f"{line}\n" for line in lines))
+    if asked["bode"]:
+        write_response(asked["bode"], response)
 
 
 def _print_modes(report: Any, with_echo: bool, quiet: bool) -> None:

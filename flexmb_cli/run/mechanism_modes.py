@@ -31,18 +31,20 @@ MOST_SPEEDS_INTERPRETED = 30
 class Wish:
     """State to linearise about: `time`, s (None: the start), or the `equilibrium` found from there.
 
-    `state_space`: whether B, C and D are requested; `out`: the file that they go to.
+    `state_space`: whether B, C and D are requested; `out`: the file that they go to; `responds`: a frequency
+    response is requested.
     """
 
     time: float | None = None
     equilibrium: bool = False
     state_space: bool = False
     out: str | None = None
+    responds: bool = False
 
     @property
     def of_mechanism(self) -> bool:
         """Return whether a place to linearise at is named, or a file for the state space."""
-        return self.equilibrium or self.time is not None or self.out is not None
+        return self.equilibrium or self.time is not None or self.out is not None or self.responds
 
 
 @dataclass(frozen=True)

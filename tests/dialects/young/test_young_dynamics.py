@@ -199,6 +199,7 @@ def test_every_dynamic_deck_stands_in_the_readme():
             "IN-PID",
             "IN-RAIL",
             "IN-ROLL",
+            "IN-SPRING",
         )
         if f"`{stem}`" in text
     }
