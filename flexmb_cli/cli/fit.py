@@ -119,7 +119,7 @@ def _lines(record: dict[str, Any]) -> Any:
         half = number["high"] - number["value"]
         interval = f" ± {half:.3g}" if half == half else " at its bound" if number["at_bound"] else ""
         unit = "" if number["unit"] == "1" else f" {number['unit']}"
-        yield f"{number['name']:<{width}} = {number['value']:.12g}{interval}{unit}"
+        yield f"{number['name']:<{width}} = {number['value']:.9g}{interval}{unit}"
     for name, value in record["results"].items():
         yield f"{name}: {value:.9g}"
     violated = f", constraints violated by {record['violation']:.3g}" if record["violation"] > 1e-8 else ""

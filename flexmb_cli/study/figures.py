@@ -236,6 +236,7 @@ def _scaled(values: np.ndarray) -> np.ndarray:
 
 
 TIMES = "result/time"
+DASHES = ("-", "--", ":", "-.")  # for the values of the second parameter, if they are so few
 MOST_CASE_CURVES = 500  # evenly chosen of more cases: further ones hide each other
 
 
@@ -295,10 +296,20 @@ def _draw_cases(
 ) -> None:
     from matplotlib import rcParams
 
-    name, parameter = next(iter((family.cases.varied or family.cases.parameters).items()))
-    colours = colours_of(parameter)
-    for times, curve, colour in zip(family.times, values, colours.to_rgba(parameter), strict=True):
-        axis.plot(times, curve, color=colour, linewidth=rcParams["lines.linewidth"] if look else 1.0)
+    (name, parameter), *others = (family.cases.varied or family.cases.parameters).items()
+    colours, width = colours_of(parameter), rcParams["lines.linewidth"] if look else 1.0
+    second, dashes = others[0] if others else ("", np.zeros_like(parameter))
+    sizes, style = np.unique(dashes, return_inverse=True)
+    told_apart = 1 < sizes.size <= len(DASHES)
+    curves = zip(family.times, values, colours.to_rgba(parameter), style, strict=True)
+    for times, curve, colour, dash in curves:
+        axis.plot(times, curve, DASHES[dash if told_apart else 0], color=colour, linewidth=width)
+    if told_apart:
+        for size, dash in zip(sizes, DASHES, strict=False):
+            axis.plot(
+                [], [], dash, color="black", linewidth=width, label=shown(f"{second} = {size:.4g}", look)
+            )
+        axis.legend(fontsize="small")
     add_key(figure, colours, axis, name, look)
 
 

@@ -1,7 +1,7 @@
 """The table of a study: a row a case, as text; and its numbers, parameters and results of solved cases."""
 
 import fnmatch
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -10,6 +10,8 @@ from typing import Any
 import h5py
 import numpy as np
 
+from ..deck.record import DeckText
+from ..deck.toml_table import TomlError, toml_table
 from ..deck.units import Wishes, converted
 from ..errors import Fault, visible
 from ..results.hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, understood
@@ -231,13 +233,23 @@ def cases_table(
     solved = table[EXIT_CODE][:] == 0
     if not solved.any():
         raise ResultError(file, "nothing to draw: no case was solved", id="STUDY-019")
-    parameters = [column for column in columns if _is(column, "parameter")]
+    parameters = sorted((column for column in columns if _is(column, "parameter")), key=_as_listed(table))
     return CasesTable(
         table.attrs["deck_name"],
         {column.label: table[column.path][:][solved] for column in parameters},
         {column.label: table[column.path][:][solved] for column in wanted if with_results},
         int((~solved).sum()),
     )
+
+
+def _as_listed(table: h5py.File) -> Callable[[StudyColumn], int]:
+    """Return the place of a parameter in the text of the study; a text that is none says nothing."""
+    try:
+        listed = toml_table(DeckText("study", table["study"].asstr()[()], "")).get("parameters", {})
+    except (TomlError, KeyError):
+        listed = {}
+    places = {f"parameter/{name}": number for number, name in enumerate(listed)}
+    return lambda column: places.get(column.path, len(places))
 
 
 def _is(column: StudyColumn, group: str) -> bool:

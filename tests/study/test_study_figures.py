@@ -241,3 +241,30 @@ def test_xarray_has_the_parameters_as_coordinates(tmp_path):
     grid = cases.set_index(case=["length", "rate"]).unstack("case")
     assert grid["top"].dims == ("length", "rate")
     assert float(grid["top"].sel(length=0.2, rate=2.0)) == 4.0
+
+
+def test_parameters_are_those_of_the_text_in_its_order(tmp_path):
+    """The table has them by the alphabet; a picture of series takes the first of the text for its colours."""
+    path = tmp_path / "a.h5"
+    text = "[parameters]\nrate = [1, 2]\nlength = [0.1, 0.2, 0.3]\n"
+    head = TableHead(text, "deck", "a.dat", "0" * 64, (LENGTH, RATE, TOP), len(GRID))
+    write_table(str(path), head, ((n, 0, 3, "", [x, y, x]) for n, (x, y) in enumerate(GRID, 1)))
+    with open_study(str(path)) as table:
+        assert [name.split()[0] for name in cases_table(table, (), "").varied] == ["rate", "length"]
+
+
+def test_few_values_of_the_second_parameter_have_lines_of_their_own():
+    from matplotlib.figure import Figure
+
+    from flexmb_cli.study.figures import CurveFamily, _draw_cases
+    from flexmb_cli.study.text import CasesTable
+
+    x, y = np.array(GRID).T
+    times = np.tile(np.arange(3.0), (len(GRID), 1))
+    family = CurveFamily(CasesTable("a.dat", {"length": x, "rate": y}, {}, 0), times, {})
+    figure = Figure()
+    axis = figure.subplots()
+    _draw_cases(figure, axis, family, times, None)
+    lines = axis.get_lines()[: len(GRID)]
+    assert [line.get_linestyle() for line in lines] == ["-", "--"] * 3
+    assert [text.get_text() for text in axis.get_legend().get_texts()] == ["rate = 1", "rate = 2"]

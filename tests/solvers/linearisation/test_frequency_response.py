@@ -74,7 +74,7 @@ def test_root_mean_square_is_that_of_the_lyapunov_equation(tmp_path):
     ("options", "message"),
     [
         (["--bode", "x.csv"], "belong to --response"),
-        (["--response", "force 1", "point of interest 1 position x"], "no input 'force 1'; near it are force 1"),
+        (["--response", "force 1", "point of interest 1 position x"], "no input 'force 1'"),
         (["--response", "force 1 x", "point 1 x"], "has no output"),
         (["--response", "force 1 x", "point 1 x", "--frequencies", "2", "1"], "0 < LOW < HIGH"),
         (["--response", "force 1 x", "point 1 x", "--bode", "x.txt"], "end the name with .csv"),
