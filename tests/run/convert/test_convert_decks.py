@@ -38,6 +38,8 @@ CONVERTED = {
     ("young/dynamics/IN-ARM.dat", "dafms"): COLUMNS,
     ("young/dynamics/IN-PAIR.dat", "dafms"): COLUMNS,
     ("young/dynamics/IN-PAIR.dat", "vsdf"): EXACT,
+    ("young/dynamics/IN-SPRING.dat", "dafms"): COLUMNS,
+    ("young/dynamics/IN-SPRING.dat", "vsdf"): 1e-8,  # both at 1e-9 a step; 3e-13 at 1e-13
     ("young/dynamics/IN-BRICARD.dat", "vsdf"): COLUMNS,  # its motion amplifies errors a thousand times in 5 s
     ("dafms/sliding_mass.DAT", "vsdf"): EXACT,
     ("dafms/arm_elements.DAT", "vsdf"): EXACT,
@@ -57,6 +59,8 @@ REFUSED = {
     ("young/dynamics/IN-BALL.dat", "dafms"): "contacts do not convert",
     ("young/dynamics/IN-PID.dat", "vsdf"): "signals do not convert",
     ("young/dynamics/IN-PID.dat", "dafms"): "signals do not convert",
+    ("young/dynamics/IN-MACHINE.dat", "vsdf"): "signals do not convert",
+    ("young/dynamics/IN-MACHINE.dat", "dafms"): "signals do not convert",
     ("young/dynamics/IN-HOLD.dat", "vsdf"): "lines JOINT of this type are not converted",
     ("young/dynamics/IN-HOLD.dat", "dafms"): "lines JOINT of this type are not converted",
     ("young/dynamics/IN-RAIL.dat", "vsdf"): "points on curves and rolling bodies are not converted",
