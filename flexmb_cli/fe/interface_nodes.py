@@ -16,7 +16,7 @@ from .formats.matrix_file import MODAL, FEFileFault, MatrixFile
 from .linear_algebra import summed, without_diagonal
 
 # Smallest moment of inertia of a mean's nodes, relative to the largest, that has a rotation.
-LEAST_INERTIA = 1e-9
+LEAST_SPREAD = 1e-9
 
 
 def carried_by(interfaces: Sequence[InterfaceNode]) -> dict[int, InterfaceNode]:
@@ -129,7 +129,7 @@ def mean_motion(one: InterfaceNode, positions: np.ndarray) -> np.ndarray:
     arms = positions - centre
     inertia = np.einsum("j,jab->ab", weights, [a @ a * np.eye(3) - np.outer(a, a) for a in arms])
     principal = np.linalg.eigvalsh(inertia)
-    if not principal[0] > LEAST_INERTIA * principal[-1]:
+    if not principal[0] > LEAST_SPREAD * principal[-1]:
         message = (
             f"the nodes of interface node {one.node} lie on one line, or at one place: no rotation is theirs"
         )

@@ -14,9 +14,10 @@ from .body_figures import modal_damping
 from .formats.matrix_file import FEFileFault
 from .formats.mbdyn_fem import ModalFile, read_modal_file
 from .invariants import EPSILON, effective_masses, inertia_invariants
+from .nodal_matrices import SYMMETRY
 
-# Relative: asymmetry of modal matrices, of masses along three axes, of group 12 to the sums of group 11.
-SYMMETRY, ISOTROPY, SAME_INERTIA = 1e-6, 1e-6, 1e-2
+# Relative: difference of masses along three axes, of group 12 to the sums of group 11.
+ISOTROPY, SAME_INERTIA = 1e-6, 1e-2
 # Least eigenvalue, relative to the largest, of a mode that strains the body.
 LEAST_STRAIN = 1e-12
 # Modal mass of the file less that of its nodal masses, relative to the largest, that is worth a warning.

@@ -17,7 +17,7 @@ from .precision import rounding_force
 from .rows import RowMatrices
 
 # Least principal inertia about the centre, relative to the largest, and share below zero that is round-off.
-LEAST_INERTIA, ROUND_OFF = 1e-12, 1e-9
+LEAST_INERTIA, ROUND_OFF_OF_ROWS = 1e-12, 1e-9
 # Share of the force in rigid motion that is left when the cause of it is taken out.
 EXPLAINED = 1e-3
 MOST_SUSPECTS = 12
@@ -50,7 +50,7 @@ def _largest(matrix: np.ndarray) -> float:
 def _check_diagonals(given: FlexibleInput, matrices: RowMatrices, findings: Findings) -> None:
     rows = matrices.rows
     for A, what, file in ((matrices.M, "mass", given.mass), (matrices.K, "stiffness", given.stiffness)):
-        wrong = np.flatnonzero(A.diagonal() < -ROUND_OFF * _largest(A))
+        wrong = np.flatnonzero(A.diagonal() < -ROUND_OFF_OF_ROWS * _largest(A))
         if len(wrong):
             message = f"a diagonal must be positive; that of the {what} is below zero: {rows.names(wrong)}"
             findings.error(given.name, message, file.place, id="FE-135")

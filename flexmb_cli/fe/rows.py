@@ -17,8 +17,8 @@ from .linear_algebra import as_array
 from .nodal_matrices import check_finite, full_matrix
 
 # Rows of a dense body: its matrices take 8 bytes for every two rows, its eigenvectors minutes.
-MOST_ROWS = 6000
-MOST_NAMED = 6
+MOST_DENSE_ROWS = 6000
+ROWS_NAMED = 6
 
 
 @dataclass(frozen=True)
@@ -84,8 +84,8 @@ class Rows:
 
     def names(self, rows: np.ndarray) -> str:
         """Readable names of the first of some rows."""
-        more = f" and {len(rows) - MOST_NAMED} more" if len(rows) > MOST_NAMED else ""
-        return "; ".join(self.name(int(row)) for row in rows[:MOST_NAMED]) + more
+        more = f" and {len(rows) - ROWS_NAMED} more" if len(rows) > ROWS_NAMED else ""
+        return "; ".join(self.name(int(row)) for row in rows[:ROWS_NAMED]) + more
 
 
 @dataclass(frozen=True)
@@ -165,10 +165,10 @@ def row_matrices(names: tuple[str, str], files: tuple[MatrixFile, MatrixFile], t
     """
     own = [labels_of(*pair, table.numbers)[_filled(pair[1])] for pair in zip(names, files, strict=True)]
     labels = np.unique(np.concatenate(own), axis=0)
-    if len(labels) > MOST_ROWS:
+    if len(labels) > MOST_DENSE_ROWS:
         raise FEFileFault(
             f"{names[1]} has {len(labels)} rows with rotations or modal rows: a body of these is computed "
-            f"with full matrices, of at most {MOST_ROWS} rows (this one would take "
+            f"with full matrices, of at most {MOST_DENSE_ROWS} rows (this one would take "
             f"{5 * 8e-9 * len(labels) ** 2:.2g} GB); reduce it in its program (Guyan, Craig-Bampton)",
             id="FE-133",
         )
@@ -198,9 +198,9 @@ def _rows(name: str, labels: np.ndarray, table: Any) -> Rows:
     lost = np.flatnonzero(~known & ~modal)
     if len(lost):
         nodes = sorted({int(node) for node in labels[lost, 0]})
-        more = ", …" if len(nodes) > MOST_NAMED else ""
+        more = ", …" if len(nodes) > ROWS_NAMED else ""
         raise FEFileFault(
-            f"{name} has rows of nodes that the node table lacks: {', '.join(map(str, nodes[:MOST_NAMED]))}"
+            f"{name} has rows of nodes that the node table lacks: {', '.join(map(str, nodes[:ROWS_NAMED]))}"
             f"{more}; with rotations every node needs its place (negative numbers are of "
             "internal nodes of elements: condense them in their program)",
             id="FE-134",

@@ -17,7 +17,7 @@ from ..solvers.linearisation.motion import differentiated
 
 NAME = re.compile(r"mode\.(\d+)\.(frequency|damping)")
 STEP = 1e-3  # of a number, of differences of fourth order
-APART = 1e-6  # relative distance of frequencies that are two modes
+MODES_APART = 1e-6  # relative distance of frequencies that are two modes
 
 
 def is_mode(name: str) -> bool:
@@ -65,7 +65,7 @@ class ModeQuantities:
 
     def _refuse_repeated(self, k: int) -> None:
         others = np.abs(np.delete(self.eigenvalues, k) - self.eigenvalues[k])
-        if np.min(others, initial=np.inf) < APART * abs(self.eigenvalues[k]):
+        if np.min(others, initial=np.inf) < MODES_APART * abs(self.eigenvalues[k]):
             message = f"mode {k + 1} has the frequency of another: neither has a derivative of its own"
             raise AnalysisError(Fault("error", message, id="RUN-167"), float(self.time[0]))
 

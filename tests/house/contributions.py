@@ -23,7 +23,7 @@ JOINT = {
     ],
 }
 # The plane between points in the axes of their bodies, by the kernels of kinematics: a file besides these.
-INPLANE = '''"""Point on a plane: P_j stays in the plane through P_i across s_i.  Young (1996), (4.4)."""
+ONPLANE = '''"""Point on a plane: P_j stays in the plane through P_i across s_i.  Young (1996), (4.4)."""
 
 from ..._jit import kernel
 from ..joint_primitives import n2_acceleration, n2_jacobian, n2_residual
@@ -50,25 +50,25 @@ def acceleration(c, q, qd, rotations, gamma):
 '''
 JOINT_OF_POINTS = {
     "flexmb_cli/kernels/kinematics/constraints.py": [
-        ("    normalisation,\n    revolute,", "    inplane,\n"),
-        ("\n\n@kernel\ndef residual(", "INPLANE = 11\n"),
+        ("    normalisation,\n    revolute,", "    onplane,\n"),
+        ("\n\n@kernel\ndef residual(", "ONPLANE = 11\n"),
         (
             "        elif kind == SIMPLIFIED:\n            simplified.residual(",
-            "        elif kind == INPLANE:\n            inplane.residual(c, q, A, phi)\n",
+            "        elif kind == ONPLANE:\n            onplane.residual(c, q, A, phi)\n",
         ),
         (
             "        elif kind == SIMPLIFIED:\n            simplified.jacobian(",
-            "        elif kind == INPLANE:\n            inplane.jacobian(c, q, A, phi_q)\n",
+            "        elif kind == ONPLANE:\n            onplane.jacobian(c, q, A, phi_q)\n",
         ),
         (
             "        elif kind == DRIVER:\n            driver.acceleration(",
-            "        elif kind == INPLANE:\n            inplane.acceleration(c, q, qd, rotations, gamma)\n",
+            "        elif kind == ONPLANE:\n            onplane.acceleration(c, q, qd, rotations, gamma)\n",
         ),
     ],
     "flexmb_cli/model/joints.py": [
         (
             ")\n\n# Joints between nodes, besides those",
-            '    JointType("inplane", 11, 1, _P + _Q, (("s_i · d", True, ("s_i",)),), meets=False),\n',
+            '    JointType("onplane", 11, 1, _P + _Q, (("s_i · d", True, ("s_i",)),), meets=False),\n',
         )
     ],
 }

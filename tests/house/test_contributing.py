@@ -22,12 +22,12 @@ from tests.house.contributions import (
     DECK,
     FALLING,
     FORMAT,
-    INPLANE,
     INTEGRATOR,
     JOINT,
     JOINT_OF_POINTS,
     KERNELS,
     LAW,
+    ONPLANE,
     PENDULUM,
     PLANE,
     QUANTITY,
@@ -63,7 +63,7 @@ def copy(tmp_path_factory):
                 assert not [word for word in ENTERED.findall(added) if f'"{word}"' in text], (added, TAKEN)
                 text = text.replace(place, added + place)
             (folder / name).write_text(text, encoding="utf-8")
-    (folder / "flexmb_cli/kernels/kinematics/joints/inplane.py").write_text(INPLANE)
+    (folder / "flexmb_cli/kernels/kinematics/joints/onplane.py").write_text(ONPLANE)
     (folder / "flexmb_cli/fe/formats/triples.py").write_text(READER)
     (folder / "fall.vsdf").write_text(DECK)
     return folder
@@ -170,7 +170,7 @@ def test_a_joint_of_points_is_compared_with_differences_unasked(copy):
     make_folders_of_tests(copy)
     shutil.copytree(ROOT / "tests/kernels/kinematics", copy / "tests/kernels/kinematics")
     shutil.copy(ROOT / "tests/solvers/kinematics/geometry.py", copy / "tests/solvers/kinematics")
-    chosen = "-k", "inplane or one", "tests/kernels/kinematics/test_joint_properties.py"
+    chosen = "-k", "onplane or one", "tests/kernels/kinematics/test_joint_properties.py"
     assert passed_in_copy(copy, *chosen) > 20
 
 

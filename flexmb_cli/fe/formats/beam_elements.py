@@ -27,10 +27,10 @@ class BeamTable(NamedTuple):
     length beside that of the material, kg/m, and the shear areas of both planes, m², 0 for none: no shear.
     """
 
-    numbers: np.ndarray
-    rows: np.ndarray
-    upwards: np.ndarray
-    sections: np.ndarray
+    numbers: np.ndarray  # (m, 1) or flat: numbers of the elements
+    rows: np.ndarray  # (m, 2) places of their nodes in the node table
+    upwards: np.ndarray  # (m, 3) axes y, unit vectors in axes of the body
+    sections: np.ndarray  # (m, 7) m², m⁴, m⁴, m⁴, kg/m, m², m²: see above
 
 
 def has_beams(path: Path) -> bool:

@@ -22,12 +22,12 @@ NodeSets = Callable[[str], list[int]]  # the nodes of a set by its name
 class Coupling(NamedTuple):
     """A node and those that it carries (`rigid`), or whose weighted mean it is; `turns`: rotations, too."""
 
-    node: int
-    rigid: bool
-    members: tuple[int, ...]
-    weights: tuple[float, ...]
-    turns: bool
-    line: Line
+    node: int  # number of the node that couples
+    rigid: bool  # whether it carries the members
+    members: tuple[int, ...]  # numbers of their nodes
+    weights: tuple[float, ...]  # of the members in the mean, no unit
+    turns: bool  # whether rotations are carried, too
+    line: Line  # where it stands
 
 
 def read_coupling(path: Path, form: str, node: int, rigid: bool) -> Coupling:

@@ -11,7 +11,7 @@ import math
 from .._jit import kernel
 from .vec3 import cross
 
-_SERIES, _TERMS = 9.0, 16  # rad² up to which series are summed, and how many terms
+_SERIES, _TERMS_OF_SERIES = 9.0, 16  # rad² up to which series are summed, and how many terms
 
 
 @kernel
@@ -23,7 +23,7 @@ def coefficients(square: float) -> tuple[float, float, float, float]:
         return b, c, (1.0 - square * c - 2.0 * b) / square, (b - 3.0 * c) / square
     b, c, db, dc = 0.0, 0.0, 0.0, 0.0
     e, f = -1.0 / 24.0, -1.0 / 120.0
-    for k in range(1, _TERMS):
+    for k in range(1, _TERMS_OF_SERIES):
         b, c, db, dc = b + e, c + f, db + k * e, dc + k * f
         e *= -square / ((2.0 * k + 3.0) * (2.0 * k + 4.0))
         f *= -square / ((2.0 * k + 4.0) * (2.0 * k + 5.0))

@@ -55,7 +55,7 @@ BODY_VECTOR = np.dtype(
         ("shape", np.int64),  # where S (3, N) begins in `shapes`
         ("c", np.float64, 3),  # undeformed, body axes, m or, of a direction, 1
         ("turn", np.int64),  # where T (3, N) of the rotation vector of a node begins in `shapes`, -1: none
-        ("arm", np.float64, 3),  # part of c that turns with the node
+        ("arm", np.float64, 3),  # part of c that turns with the node, body axes, m or 1
     ]
 )
 

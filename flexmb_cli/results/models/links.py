@@ -23,7 +23,7 @@ HINGE, SLIDE, BALL, FREE = "hinge", "slide", "ball", "free"
 _KINDS = {(HINGE,): "revolute", (SLIDE,): "translational", (BALL,): "spherical", (): "fixed"}
 # Neither format says how long a motion lasts.
 TIMES = TimeGrid(0.0, 1.0, 0.01)
-_ROUND_OFF = 1e-9  # of sines and, in m, of distances
+_SAME_PLACE = 1e-9  # of sines and, in m, of distances
 
 Frame = tuple[np.ndarray, np.ndarray]  # origin (3,), m, and rotation matrix (3, 3) to the frame outside
 
@@ -31,9 +31,9 @@ Frame = tuple[np.ndarray, np.ndarray]  # origin (3,), m, and rotation matrix (3,
 class Mass(NamedTuple):
     """A mass, kg, its centre (3,), m, and its inertia (3, 3) about it, kg m², in the axes of the link."""
 
-    mass: float
-    centre: np.ndarray
-    inertia: np.ndarray
+    mass: float  # kg
+    centre: np.ndarray  # (3,) axes of the link, m
+    inertia: np.ndarray  # (3, 3) about the centre, axes of the link, kg m²
 
 
 @dataclass
@@ -79,21 +79,21 @@ class Link:
 class Gear(NamedTuple):
     """The change of a joint's coordinate is `ratio` times that of another joint, both by name."""
 
-    name: str
-    joint: str
-    other: str
-    ratio: float
+    name: str  # of the gear
+    joint: str  # whose coordinate follows
+    other: str  # whose coordinate it follows
+    ratio: float  # no unit, m or 1/m
 
 
 class Tie(NamedTuple):
     """A closed loop: a joint of `kind` between points (3,) of two links, in their axes; numbers of links."""
 
-    name: str
-    kind: str
-    i: int
-    j: int
-    P_i: np.ndarray
-    P_j: np.ndarray
+    name: str  # of the loop
+    kind: str  # of its joint
+    i: int  # number of the first link
+    j: int  # number of the second link
+    P_i: np.ndarray  # (3,) in axes of the first link, m
+    P_j: np.ndarray  # (3,) in axes of the second link, m
 
 
 def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
@@ -199,9 +199,9 @@ class Assembly:
         if len(kinds) == 2:
             (a, b), first, second = kinds, *link.joints
             away = np.linalg.norm(np.cross(first.axis, first.point - second.point))
-            if {a, b} == {HINGE, SLIDE} and np.linalg.norm(np.cross(first.axis, second.axis)) < _ROUND_OFF:
+            if {a, b} == {HINGE, SLIDE} and np.linalg.norm(np.cross(first.axis, second.axis)) < _SAME_PLACE:
                 return "cylindrical"
-            if a == b == HINGE and abs(first.axis @ second.axis) < _ROUND_OFF and away < _ROUND_OFF:
+            if a == b == HINGE and abs(first.axis @ second.axis) < _SAME_PLACE and away < _SAME_PLACE:
                 return "universal"
         message = (
             f"{' and '.join(kinds)} of one body are no joint of flexmb: give it bodies between "

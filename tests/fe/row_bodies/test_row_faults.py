@@ -8,7 +8,7 @@ import pytest
 from flexmb_cli.dialects.vsdf.build import build_model
 from flexmb_cli.errors import ModelError
 from flexmb_cli.fe.formats.matrix_file import FEFileFault, MatrixFile
-from flexmb_cli.fe.rows import MOST_ROWS, row_matrices
+from flexmb_cli.fe.rows import MOST_DENSE_ROWS, row_matrices
 from tests.dialects.vsdf.vsdf_decks import read
 from tests.fe.row_bodies.row_decks import FILES, HERE, body_of, free_deck
 
@@ -57,7 +57,7 @@ def test_a_node_of_the_table_without_rows_bears_nothing(tmp_path):
 
 
 def test_more_rows_than_full_matrices_can_have_are_refused_before_any_work():
-    count = MOST_ROWS // 6 + 1
+    count = MOST_DENSE_ROWS // 6 + 1
     numbers = np.arange(1, count + 1)
     labels = np.column_stack([np.repeat(numbers, 6), np.tile(np.arange(1, 7), count)])
     every = np.arange(len(labels))
