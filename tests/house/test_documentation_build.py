@@ -132,7 +132,7 @@ def test_formulas_of_a_line_stand_in_parts_of_their_own():
 
 def test_the_index_of_the_gallery_has_a_thumbnail_of_every_deck_of_a_page():
     shown = gallery._thumbnails("vsdf", gallery.decks_of("vsdf"))
-    assert shown.count("{grid-item-card}") == len(gallery.decks_of("vsdf")) == 15
+    assert shown.count("{grid-item-card}") == len(gallery.decks_of("vsdf")) == 19
     assert ":link: gallery-blade.vsdf\n" in shown and "pictures/gallery/blade.vsdf.png" in shown
 
 

@@ -205,7 +205,7 @@ def add_vector_row(
 
 @kernel
 def in_body_axes(axes: np.ndarray, g: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Aᵀ g."""
+    """Aᵀ g; axes (3, 3): A."""
     return (
         axes[0, 0] * g[0] + axes[1, 0] * g[1] + axes[2, 0] * g[2],
         axes[0, 1] * g[0] + axes[1, 1] * g[1] + axes[2, 1] * g[2],
