@@ -36,9 +36,11 @@ RUN_BY = {
         "not run: ParaView is no test dependency; the file has the names used (here)"
     ],
     "docs/how-to/python.md": [TRANSCRIPTS, SNIPPETS, SNIPPETS],
+    "docs/how-to/sensitivities.md": [SNIPPETS],
     "docs/reference/modes.md": [SNIPPETS],
     "docs/reference/python.md": [TRANSCRIPTS, SNIPPETS, SNIPPETS, SNIPPETS],
     "docs/reference/studies.md": [SNIPPETS],
+    "docs/tutorial/fit.md": [SNIPPETS, SNIPPETS],
     "docs/tutorial/installation.md": [INSTALLS, INSTALLS, INSTALLS],
 }
 

@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import h5py
@@ -124,3 +125,18 @@ def test_the_script_for_exudyn_is_compared_as_the_page_shows(commands):
     (commands / "bricard.py").write_text(converted(str(commands / deck), "exudyn"))
     (program,) = snippets("how-to/convert.md", "sh")
     assert "no difference in" in printed(commands, program)
+
+
+def test_the_frequency_of_a_pendulum_is_differentiated_as_the_page_shows():
+    """The elastic pendulum: d ln f1/d ln g = (1 - x/(l + x))/2 = 0.375, x = 0.1 m, l = 0.3 m."""
+    (program,) = snippets("how-to/sensitivities.md")
+    assert printed(TOP, program) == "(1, 1, 1) [0.375]\n"
+
+
+def test_studies_of_the_lesson_on_fits_are_those_supplied():
+    """The first is whole but for comments, the second the targets alone."""
+    whole, targets = map(tomllib.loads, snippets("tutorial/fit.md", "toml"))
+    spring, path = (
+        tomllib.loads((TOP / f"decks/studies/{name}.toml").read_text()) for name in ("spring", "path")
+    )
+    assert whole == spring and targets["targets"] == path["targets"]

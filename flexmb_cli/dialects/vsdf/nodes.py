@@ -69,7 +69,7 @@ def arms_of(
 ) -> dict[int, Arm]:
     """The arms of body k by the numbers of their ends, which neither nodes nor sets have."""
     arms: dict[int, Arm] = {}
-    for record in values.of_body("arm", k):
+    for record in values.of_body("arm_node", k):
         number, on = record.at("node"), record.at("on")
         if number.value in nodes or number.value in sets or number.value in arms or number.value < 1:
             message = f"{number.text} is a number of body {k} already, or below 1; an arm needs its own"

@@ -78,7 +78,7 @@ BODY_CARDS = (
         more=whole_column("node", "node of the set", None),
     ),
     card(
-        "ARMN arm list",
+        "ARMN arm_node list",
         "arm {}",
         BODY,
         whole_column("node", "number of the node at the arm's end, of no other node", None),
