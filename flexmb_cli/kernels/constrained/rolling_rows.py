@@ -16,7 +16,7 @@ from .system import System, Work
 
 @kernel
 def has_rolling(primitives: np.ndarray) -> bool:
-    """Return whether one of primitives (k,) is an equation of rolling, which needs rates of rotation matrices."""
+    """Return whether one of primitives (k,) is of rolling, which needs rates of rotation matrices."""
     rolling = False
     for k in range(primitives.shape[0]):
         rolling = rolling or primitives[k]["roll"] > 0
