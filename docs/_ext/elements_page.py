@@ -26,6 +26,7 @@ _SHAPES = {
     "signals": "signal or (signal,signal)",
     "numbers": "number or (number,number)",
     "axis": "x, y or z",
+    "name": "name",
 }
 
 

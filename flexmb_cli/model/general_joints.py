@@ -12,12 +12,13 @@ With a single turn held, about z for instance, it is that of a universal joint: 
 right angles to y of the second.
 """
 
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from ..errors import Place
+from ..errors import Fault, ModelError, Place
 
 
 @dataclass(frozen=True)
@@ -83,3 +84,36 @@ def frame_of(axis: np.ndarray, across: np.ndarray | None) -> tuple[tuple[float, 
     x = across - (across @ z) * z
     x = x / np.linalg.norm(x)
     return tuple((float(v[0]), float(v[1]), float(v[2])) for v in (x, np.cross(z, x), z))
+
+
+@dataclass(frozen=True)
+class Release:
+    """A joint of a line JOINT, by its name, let go at a `time`, s, or when a quantity reaches a value.
+
+    `quantity`: its name in results, or of a line OUTPUT; `rising`: whether it reaches `value` from below.
+    """
+
+    name: str
+    joint: str
+    time: float | None = None
+    quantity: str = ""
+    value: float = 0.0
+    rising: bool = True
+    place: Place | None = None
+
+
+def refuse_releases(elements: Any, command: str) -> None:
+    """Raise ModelError if elements, or None, have releases, which a command does not follow."""
+    if elements is not None and elements.releases:
+        message = f"{command} lets no joints go; leave out this line in a copy of the deck"
+        first = elements.releases[0]
+        raise ModelError([Fault("error", message, first.place, first.name, id="SOLVE-192")])
+
+
+def without_joints(model: Any, names: Collection[str]) -> Any:
+    """Return a dynamic model, flexible mechanism or tree without the general joints of these names."""
+    generals = tuple(joint for joint in model.elements.generals if joint.name not in names)
+    changed = {"elements": replace(model.elements, generals=generals)}
+    if hasattr(model, "closures"):
+        changed["closures"] = tuple(c for c in model.closures if not (c.general and c.name in names))
+    return replace(model, **changed)

@@ -146,6 +146,22 @@ class TimeGrid:
 
 
 @dataclass(frozen=True)
+class ListedTimes(TimeGrid):
+    """Report times that are listed, in ascending order, from `start` to `end`."""
+
+    times: tuple[float, ...] = ()
+
+    @property
+    def rows(self) -> int:
+        """Number of report times."""
+        return len(self.times)
+
+    def time(self, k: int) -> float:
+        """The k-th report time."""
+        return self.times[k]
+
+
+@dataclass(frozen=True)
 class Mechanism:
     """Everything a kinematic analysis needs, in the deck's order."""
 

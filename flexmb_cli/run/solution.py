@@ -44,8 +44,20 @@ def solution_of(model: Any, run: Run) -> Solution:
 def prepared(deck: Deck, run: Run) -> tuple[Solution, list[Fault]]:
     """Return the solution of a deck, and the warnings about its model; raises ModelError."""
     refuse_foreign_method(deck, run.options)
-    solution = with_outputs(solution_of(model_of(deck, run), run), deck)
+    solution = complete_solution(model_of(deck, run), deck, run)
     return solution, solution.model_warnings()
+
+
+def complete_solution(model: Any, deck: Deck, run: Run) -> Solution:
+    """Return the solution of a model with its outputs, and the joints that are let go; raises ModelError."""
+    solution = with_outputs(solution_of(model, run), deck)
+    elements = getattr(model, "elements", None)
+    if elements is None or not elements.releases:
+        return solution
+    # Few decks have any.
+    from .solutions.released import released
+
+    return released(solution, model, deck, run)
 
 
 def with_outputs(solution: Solution, deck: Deck) -> Solution:

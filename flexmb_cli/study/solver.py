@@ -19,7 +19,7 @@ from ..results.hdf5.result_file import empty_result
 from ..results.quantities.quantities import SHOWS_ALL, Quantity, ResultError, resolve
 from ..run.model import model_of
 from ..run.outcome import Listener, Outcome, Run, RunOptions, Stop
-from ..run.solution import solution_of, with_outputs
+from ..run.solution import complete_solution
 from ..run.solutions import Solution
 from .continuous import highest
 from .modal import modal_quantity, modal_values
@@ -124,7 +124,7 @@ class CaseSolver:
 
     def _solution(self, deck: Deck) -> Solution:
         run = self._run(deck)
-        return with_outputs(solution_of(model_of(deck, run), run), deck)
+        return complete_solution(model_of(deck, run), deck, run)
 
     @property
     def at_once(self) -> int:

@@ -197,6 +197,14 @@ def test_what_cannot_be_differentiated_is_refused(of, to, message):
     assert message in str(failure.value)
 
 
+def test_a_motion_in_which_a_joint_is_let_go_is_refused():
+    lines = "  JOINT hold inplane from=1(0,0,0) to=2(0,0,0) axis_from=x\n  RELEASE go of=hold time=0.5\n"
+    with pytest.raises(FlexmbError) as failure:
+        sensitivity(OSCILLATOR.replace("END\n", f"{lines}END\n"), ["coordinate.1"], ["mass"])
+    [fault] = failure.value.faults
+    assert (fault.id, fault.subject) == ("SOLVE-192", "go")
+
+
 def test_the_command_prints_rows_and_writes_a_file_that_table_reads(tmp_path):
     (tmp_path / "IN-SLIDER.dat").write_text(SLIDER_CRANK)
     asked = ["--of", "body.4.x", "--to", "crank", "--to", "rod", "--every", 10]

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...deck.record import Number
 from ...model.diagnostics import Findings
+from ...model.general_joints import Release
 from ...model.joint_elements import Coupling, Curve, JointDriver, JointElements, JointStart, StartAtRest
 from ...model.laws import (
     FRICTION,
@@ -47,6 +48,7 @@ _ONE_OF: dict[str, Callable[..., Any]] = {  # what there may be one of, and by w
     "supports": lambda item: item.item,
     "drivers": lambda item: (item.joint, item.coordinate),
     "starts": lambda item: (item.joint, item.coordinate),
+    "releases": lambda item: item.joint,
 }
 
 
@@ -70,6 +72,7 @@ class BlockBuilder:
         for item in found.get("starts", ()) if "rests" in found else ():
             message = "START equilibrium says how the motion begins; remove one of them"
             self.findings.error(item.name, message, item.place, id="ELEMENTS-200")
+        self._refuse_unknown_joints(found)
         self._refuse_driven(found.get("starts", ()), found.get("drivers", ()))
         groups: dict[str, Any] = {name: tuple(items) for name, items in found.items()}
         groups["forces"] = motors_last(groups.get("forces", ()))
@@ -91,6 +94,7 @@ class BlockBuilder:
             "START": ("rests", self._at_rest) if line.begins_at_rest else ("starts", self._start),
             "CURVE": ("curves", self._curve),
             "ROLL": ("rolls", lambda line: roll_of(line, self.measures)),
+            "RELEASE": ("releases", self._release),
         }
         if line.word not in makers:
             message = f"decks of this dialect have no {line.word}; remove the line"
@@ -372,6 +376,26 @@ class BlockBuilder:
             self.measures.error(line, number, "a factor of 0 couples nothing", id="ELEMENTS-008")
         at = self.measures.named(line, number, number.key)
         return at and (*at, float(number.value))
+
+    def _release(self, line: ElementLine) -> Release | None:
+        sides = [key for key in ("above", "below") if key in line]
+        if len(sides) != ("when" in line):
+            message = "when= takes above= or below=, and time= neither of them"
+            self.findings.error(line.subject, message, line.place, id="ELEMENTS-209")
+            return None
+        if "time" in line:
+            return Release(line.subject, line["of"], float(line["time"]), place=line.place)
+        [side] = sides
+        value, rising = float(line[side]), side == "above"
+        return Release(line.subject, line["of"], None, line["when"], value, rising, line.place)
+
+    def _refuse_unknown_joints(self, found: Mapping[str, Sequence[Any]]) -> None:
+        """Refuse releases of what is no general joint."""
+        joints = [joint.name for joint in found.get("generals", ())]
+        for item in found.get("releases", ()):
+            if item.joint not in joints:
+                message = f"{item.joint} names no line JOINT general, weld and so on; only these are let go"
+                self.findings.error(item.name, message, item.place, id="ELEMENTS-208")
 
     def _at_rest(self, line: ElementLine) -> StartAtRest:
         return StartAtRest(line.subject, line.place)

@@ -23,7 +23,7 @@ NUMBER, WHOLE, FUNCTION, COORDINATE, END, FILE = (
     "file",
 )
 FUNCTION_KINDS = ("table", "spline", "periodic", "polynomial", "sine", "ramp", "step", "sum", "product")
-SIGNALS, NUMBERS, AXIS = "signals", "numbers", "axis"
+SIGNALS, NUMBERS, AXIS, NAMED = "signals", "numbers", "axis", "name"
 _SAMPLED = ("period", "delay")
 # Keys of the types of signals: those that must be given, those that may.  Terms have none.
 SIGNAL_KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -295,6 +295,18 @@ WORDS = (
             Key("across", "x of the directions, axes of the first body", VECTOR, units=("m", "m")),
         ),
         kinds=(*LINKS, *GENERAL_KEYS),
+    ),
+    BlockWord(
+        "RELEASE",
+        "joint of a line JOINT that is let go at a time, or when a quantity reaches a value",
+        (
+            Key("of", "name of the general joint", NAMED, needed=True),
+            Key("time", "time at which it is let go, s"),
+            Key("when", "quantity of the results, or output, that lets it go", NAMED),
+            Key("above", "value that the quantity reaches from below, in its SI unit"),
+            Key("below", "value that it reaches from above"),
+        ),
+        ((("time",), ("when",)),),
     ),
     BlockWord(
         MASS,

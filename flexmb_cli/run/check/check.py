@@ -141,10 +141,11 @@ def check_deck(
         model = model_of(report.deck, run)
         report.analysis = analysis_of(model)
         module_for(model, "check").check(report, model, run, jacobian)
-        if has_outputs(report.deck):
-            from ..solution import solution_of, with_outputs
+        elements = getattr(model, "elements", None)
+        if has_outputs(report.deck) or (elements is not None and elements.releases):
+            from ..solution import complete_solution
 
-            with_outputs(solution_of(model, run.with_new_outcome), report.deck)
+            complete_solution(model, report.deck, run.with_new_outcome)
     return report
 
 

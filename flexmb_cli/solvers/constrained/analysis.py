@@ -226,7 +226,8 @@ class ConstrainedMotion(ConstrainedState):
     def start_position(self) -> Mobility:
         """Assemble positions and speeds at the first time; returns and raises as `start`."""
         grid, integration = self.grid, self.integration
-        q = self.assembled(grid.start)
+        # What continues another motion needs no position near that of the deck.
+        q = np.zeros(self.arrays.coordinate_scale.size) if self.continues else self.assembled(grid.start)
         if self.rest is not None:
             q = self.rest[: q.size].copy()
         integration.angles[NEW] = integration.angles[OLD] = integration.angles[EXPECTED] = self.screw_angles(

@@ -34,6 +34,7 @@ class ConstrainedState(ABC):
     omega_in_body_axes = False
     rest: np.ndarray | None = None  # coordinates and speeds that it begins with, in place of the deck's
     step_sequence: StepSequence | None = None  # steps to record or to make again
+    continues = False  # whether it continues another motion, whose state `rest` is
     usual_words = "planar mechanism of spatial joints", "3 a loop"  # of `usual_repetitions`
 
     def __init__(

@@ -72,7 +72,7 @@ class TreeSteps(TreeState):
         most = max(256, LARGEST_FRAMES // len(self.arrays.frames))
         most = min(most, max(1, LARGEST_ANSWERS // (1 + len(self.arrays.answers))))
         last = min(self.row + min(most, LARGEST_BLOCK), grid.rows)
-        times = grid.start + np.arange(self.row, last) * grid.step
+        times = np.array([grid.time(k) for k in range(self.row, last)])
         times[self._is_after_sample(times)] = np.nextafter(self.clock["stop"][0], np.inf)
         return times
 
