@@ -198,7 +198,9 @@ def test_what_cannot_be_differentiated_is_refused(of, to, message):
 
 
 def test_a_motion_in_which_a_joint_is_let_go_is_refused():
-    lines = "  JOINT hold inplane from=1(0,0,0) to=2(0,0,0) axis_from=x\n  RELEASE go of=hold time=0.5\n"
+    lines = (
+        "  JOINT hold inplane from=1(0,0,0) to=2(0,0,0) axis_from=(1,0,0)\n  RELEASE go of=hold time=0.5\n"
+    )
     with pytest.raises(FlexmbError) as failure:
         sensitivity(OSCILLATOR.replace("END\n", f"{lines}END\n"), ["coordinate.1"], ["mass"])
     [fault] = failure.value.faults

@@ -157,6 +157,15 @@ def test_slips_are_named(tmp_path, lines, fault):
         assert fault in [each["id"] for each in json.loads(done.stdout)["faults"]]
 
 
+def test_states_of_signals_and_estimates_of_errors_are_refused(tmp_path):
+    state = f"  SIGNAL height measure from=0(0,0,0) to=1(0,0,0)\n  SIGNAL sum integral of=height\n{AT_TIME}"
+    for lines, options, fault in ((state, [], "SOLVE-188"), (AT_TIME, ["--estimate-error"], "SOLVE-187")):
+        (tmp_path / "INX").write_text(YOUNG.replace("{I}", "0.1").replace("{lines}", lines))
+        command = ["run", str(tmp_path / "INX"), "-o", str(tmp_path), *options, "--json"]
+        done = CliRunner().invoke(cli, command)
+        assert (done.exit_code, json.loads(done.stdout)["faults"][-1]["id"]) == (2, fault)
+
+
 @pytest.mark.parametrize("command", [["verify"], ["modes", "--at", "0.7"], ["statics", "--rows"]])
 def test_commands_that_let_no_joints_go_say_so(tmp_path, command):
     (tmp_path / "INX").write_text(YOUNG.replace("{I}", "0.1").replace("{lines}", AT_TIME))
