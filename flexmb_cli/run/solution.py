@@ -57,7 +57,7 @@ def complete_solution(model: Any, deck: Deck, run: Run) -> Solution:
     # Few decks have any.
     from .solutions.released import released
 
-    return released(solution, model, deck, run)
+    return released(solution, model, deck, run, solution_of)
 
 
 def with_outputs(solution: Solution, deck: Deck) -> Solution:

@@ -4,7 +4,7 @@ Each stage is a motion of the model without the joints that are gone, and begins
 before.  A release by a quantity is looked for from row to row, and then between two rows.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -41,10 +41,16 @@ class _Stage:
     sums: dict[str, np.ndarray] = field(default_factory=dict)
 
 
-def released(solution: Solution, model: Any, deck: Deck, run: Run) -> Solution:
-    """Return the solution of a model some of whose joints are let go.  Raises ModelError."""
+SolutionOf = Callable[[Any, Run], Solution]
+
+
+def released(solution: Solution, model: Any, deck: Deck, run: Run, solution_of: SolutionOf) -> Solution:
+    """Return the solution of a model some of whose joints are let go.
+
+    `solution_of`: the solution of the model of a stage.  Raises ModelError.
+    """
     _refuse(model, run)
-    motion = ReleasedMotion(solution, model, deck, run)
+    motion = ReleasedMotion(solution, model, deck, run, solution_of)
     return replace(
         solution,
         analysis=motion,
@@ -74,8 +80,8 @@ def _refuse(model: Any, run: Run) -> None:
 class ReleasedMotion:
     """The analysis of all stages; its rows are values by the paths of their datasets."""
 
-    def __init__(self, solution: Solution, model: Any, deck: Deck, run: Run):
-        self.first, self.run = solution, run
+    def __init__(self, solution: Solution, model: Any, deck: Deck, run: Run, solution_of: SolutionOf):
+        self.first, self.run, self.solution_of = solution, run, solution_of
         self.begin = _Stage(grid_of(model).start, getattr(solution.analysis, "rest", None))
         self.model = replace(model, elements=replace(model.elements, rests=()))
         self.layout: Layout = solution.layout()
@@ -130,14 +136,11 @@ class ReleasedMotion:
 
     def _solution(self, stage: _Stage, times: Sequence[float]) -> Solution:
         """The solution of a stage at report `times`, ready to be solved."""
-        # Stages are solutions of their own, and of the same package.
-        from ..solution import solution_of
-
         grid = grid_of(self.model)
         listed = ListedTimes(times[0], times[-1], grid.step, grid.place, tuple(times))
         options = replace(self.run.options, from_equilibrium=False, strict=False)
         silent = self.run.with_new_outcome._replace(options=options, listener=Listener())
-        found = solution_of(with_grid(self.model, listed), silent)
+        found = self.solution_of(with_grid(self.model, listed), silent)
         analysis: Any = found.analysis
         analysis.rest = stage.rest
         if stage.continues:

@@ -158,7 +158,7 @@ def test_slips_are_named(tmp_path, lines, fault):
 
 
 def test_states_of_signals_and_estimates_of_errors_are_refused(tmp_path):
-    state = f"  SIGNAL height measure from=0(0,0,0) to=1(0,0,0)\n  SIGNAL sum integral of=height\n{AT_TIME}"
+    state = f"  SIGNAL area integral of=time\n{AT_TIME}"
     for lines, options, fault in ((state, [], "SOLVE-188"), (AT_TIME, ["--estimate-error"], "SOLVE-187")):
         (tmp_path / "INX").write_text(YOUNG.replace("{I}", "0.1").replace("{lines}", lines))
         command = ["run", str(tmp_path / "INX"), "-o", str(tmp_path), *options, "--json"]
