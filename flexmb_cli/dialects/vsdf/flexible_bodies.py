@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from ...deck.many_records import DeckValues
 from ...deck.record import Record
-from ...fe.formats.beam_elements import has_beams
 from ...fe.formats.formats import FORMS_WITH_ELEMENTS, OF_BEAMS, OF_ELEMENTS, TAKES_MAPPING
 from ...fe.formats.matrix_file import FEFileFault
 from ...fe.formats.node_table import NodeTable, read_node_table
@@ -47,8 +46,12 @@ def matrices_of_elements(values: DeckValues, k: int, files: dict[str, Any]) -> d
 
 def _form_of_elements(file: FEFile) -> str:
     """Return whether beams alone are meant, or solid elements, whose reader reports what it cannot read."""
+    if file.form != "BDF":
+        return OF_ELEMENTS
+    from ...fe.formats.beam_elements import has_beams
+
     try:
-        return OF_BEAMS if file.form == "BDF" and has_beams(file.path) else OF_ELEMENTS
+        return OF_BEAMS if has_beams(file.path) else OF_ELEMENTS
     except FEFileFault:
         return OF_ELEMENTS
 
