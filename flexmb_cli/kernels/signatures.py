@@ -146,6 +146,7 @@ UNITS = {
     "implicit_trees": {
         "integrators.sdirk4.integrate_rows": "Tree FRAME_WORK1 COORDINATE_WORK1 Implicit TreeReport int"
     },
+    "tree_masses": {"tree.composite_mass.set_mass": "Tree FRAME_WORK1 COORDINATE_WORK1 f1 f2"},
 }
 _KINDS = {
     letter: np.dtype(kind) for letter, kind in zip("ficb", (float, np.int64, complex, bool), strict=True)

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmb_cli.deck.text import read_text
-from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.recognise import open_text, read_deck
 from flexmb_cli.dialects.young.build import build_young
 from flexmb_cli.errors import FlexmbError
 from flexmb_cli.model.mechanism import Mechanism, TimeGrid
@@ -23,7 +22,7 @@ PUBLISHED = REPOSITORY / "tests/published/young"
 @cache
 def mechanism_of(deck: str) -> Mechanism:
     """The mechanism that the deck decks/young/<deck>.dat describes."""
-    return build_young(read_deck(read_text(str(REPOSITORY / f"decks/young/{deck}.dat"))))[0]
+    return build_young(read_deck(open_text(str(REPOSITORY / f"decks/young/{deck}.dat"))))[0]
 
 
 @cache
