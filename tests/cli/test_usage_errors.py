@@ -36,7 +36,7 @@ def flexmb(monkeypatch, capsys, tmp_path):
 
 def test_the_commands_with_json_are_those_of_the_readme():
     assert set(WITH_JSON) == {
-        *("run", "check", "verify", "modes", "statics", "diff", "sweep"),
+        *("run", "check", "verify", "modes", "statics", "diff", "sweep", "fit", "sensitivity"),
         *("convert", "export", "table", "plot", "report"),
     }
 

@@ -7,7 +7,7 @@ from flexmb_cli import interface
 from tests.study.studies import RSSR
 
 DECKS = RSSR.parents[1]
-PATH, SPRING = DECKS / "young/IN-PATH.dat", DECKS / "young/dynamics/IN-SPRING.dat"
+PATH, SPRING = DECKS / "young/dynamics/IN-PATH.dat", DECKS / "young/dynamics/IN-SPRING.dat"
 
 
 def test_a_grid_of_groups_formulas_and_numbers():

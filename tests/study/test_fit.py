@@ -17,7 +17,7 @@ from flexmb_cli.study.fit_file import read_fit
 from tests.study.studies import FLEXMB, RSSR, flexmb
 
 DECKS = RSSR.parents[1]
-PATH, SPRING = DECKS / "young/IN-PATH.dat", DECKS / "young/dynamics/IN-SPRING.dat"
+PATH, SPRING = DECKS / "young/dynamics/IN-PATH.dat", DECKS / "young/dynamics/IN-SPRING.dat"
 MASS, X0 = 1.3, 0.2
 
 

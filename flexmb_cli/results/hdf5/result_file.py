@@ -53,7 +53,7 @@ class ResultFile(Replacement):
         self._status, self._message = COMPLETE, ""
         self._notes: tuple[str, ...] = ()
         self._waiting: list[Values] = []
-        self._chunk, self._system = chunk_rows(layout), system_of(deck)
+        self._chunk, self._system = chunk_rows(layout), ""
         self._file: h5py.File = None  # until the file is open
         try:
             with located(self.path):
@@ -63,6 +63,7 @@ class ResultFile(Replacement):
             raise
         with self._on_disk():
             self._file = h5py.File(self._disk, "w", libver=FILE_FORMAT)
+            self._system = system_of(deck)
             self._begin(deck, layout)
 
     def rows(self, values: Values) -> None:

@@ -196,6 +196,7 @@ def test_every_dynamic_deck_stands_in_the_readme():
             "IN-LINK",
             "IN-MACHINE",
             "IN-PAIR",
+            "IN-PATH",
             "IN-PID",
             "IN-RAIL",
             "IN-ROLL",
