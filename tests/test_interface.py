@@ -340,6 +340,7 @@ def test_the_package_is_marked_as_typed():
         _ = flexmb_cli.solv
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("deck", ["young/IN4-BAR.dat", "dafms/pendulum.DAT", "vsdf/pendulum.vsdf"])
 def test_a_stored_result_has_the_names_units_and_values_of_one_in_memory(deck, tmp_path):
     solved = solve(DECKS / deck)

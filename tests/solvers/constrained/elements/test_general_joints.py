@@ -16,6 +16,8 @@ from flexmb_cli.interface import solve_to_files
 from flexmb_cli.run.outcome import RunOptions
 from tests.dialects.dafms.test_dafms_elements import TWO_LINKS
 
+pytestmark = pytest.mark.long_motion
+
 # A body of unequal inertia at an attitude aside of all axes, under its weight and a torque.
 FREE = """2 {counts}
 0 0 0 1 0 0 0

@@ -17,6 +17,8 @@ from flexmb_cli.interface import solve_to_files
 from flexmb_cli.run.outcome import RunOptions
 from tests.solvers.constrained.elements.test_general_joints import HINGE, tree
 
+pytestmark = pytest.mark.long_motion
+
 X, Z = 0.5 * math.sin(math.radians(75)), -0.5 * math.cos(math.radians(75))
 E0, E2 = math.cos(math.radians(7.5)), math.sin(math.radians(7.5))
 PULL = "  OUTPUT pull = sqrt(general.1.force.x^2 + general.1.force.z^2)\n"

@@ -7,6 +7,8 @@ import pytest
 from flexmb_cli.interface import solve_to_files
 from flexmb_cli.run.outcome import RunOptions
 
+pytestmark = pytest.mark.long_motion
+
 # A body that slides along z of a grounded one (body 1), or turns about its z.
 SLIDE = (
     "2 0 0 0 0 0 0 1 0 0 0 1\n0 0 0 1 0 0 0\n0 0 0 1 0 0 0\n"
