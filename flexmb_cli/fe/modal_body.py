@@ -43,14 +43,16 @@ def modal_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | None:
 
 
 def _body(given: FlexibleInput, file: ModalFile, findings: Findings) -> FlexibleBody:
-    name, masses = given.stiffness.path.name, file.lumps[:, 0]
-    _check_lumps(name, file)
+    name, masses = given.stiffness.path.name, file.nodal_masses[:, 0]
+    _check_nodal_masses(name, file)
     values, modes = _modes(given, file)
     shapes = np.einsum("kni,kl->nil", file.shapes, modes)
     Phi = shapes[:, :3].reshape(3 * len(masses), -1)
     invariants: dict[str, Any] = inertia_invariants(file.positions, Phi, np.diag(masses))
-    lumped = invariants["Mff"] + np.einsum("nik,ni,nil->kl", shapes[:, 3:], file.lumps[:, 3:], shapes[:, 3:])
-    _add_rotary_inertia(invariants, shapes[:, 3:], file.lumps[:, 3:])
+    lumped = invariants["Mff"] + np.einsum(
+        "nik,ni,nil->kl", shapes[:, 3:], file.nodal_masses[:, 3:], shapes[:, 3:]
+    )
+    _add_rotary_inertia(invariants, shapes[:, 3:], file.nodal_masses[:, 3:])
     invariants["Mff"] = np.eye(len(values))
     _check_inertia(name, file, invariants)
     _check_total_mass(name, invariants)
@@ -114,13 +116,13 @@ def _add_rotary_inertia(invariants: dict[str, Any], rotations: np.ndarray, inert
     invariants["C0"] = invariants["C0"] - np.einsum("ni,nik->ik", inertia, rotations)
 
 
-def _check_lumps(name: str, file: ModalFile) -> None:
+def _check_nodal_masses(name: str, file: ModalFile) -> None:
     """Refuse masses that differ in direction, none at all, and negative ones."""
-    masses = file.lumps[:, :3]
+    masses = file.nodal_masses[:, :3]
     if not np.ptp(masses, axis=1).max() <= ISOTROPY * np.abs(masses).max() or not masses.sum() > 0.0:
         message = f"the masses of a node of {name} differ in its three directions, or all are zero"
         raise FEFileFault(f"{message}: no body has such inertia", id="FE-297")
-    if file.lumps.min() < 0.0:
+    if file.nodal_masses.min() < 0.0:
         raise FEFileFault(f"{name} has a negative mass or inertia in record group 11", id="FE-298")
 
 

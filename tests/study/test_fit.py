@@ -85,32 +85,6 @@ def test_five_points_with_timing_are_met_as_well_as_they_can_be():
     assert 0.5 * np.sum(residuals(lengths) ** 2) == pytest.approx(end["cost"], rel=1e-5)
 
 
-@pytest.mark.campaign
-def test_six_points_of_a_line_are_met_exactly_without_timing():
-    """Case 1 of Cabrera et al. (2002), bounds and points as there, the crank the shortest link.
-
-    The points are those of the loop-closure equation, in their order along the turn of the crank.
-    """
-    lengths = {name: {"from": 1, "to": 60} for name in ("r1", "r3", "r4")}
-    places = {name: {"from": -60, "to": 60} for name in ("cx", "cy", "x0", "y0")}
-    shortest = "share*max(0.1, min(r1, r3, r4, r1 + r3 + r4 - 2*max(r1, r3, r4)))"
-    parameters = {**lengths, **places, "share": {"from": 0.05, "to": 0.99}, "r2": shortest, "step": 0.02,
-                  "turn": {"from": 0, "to": 6.283185307179586}}  # fmt: skip
-    points = [[20, y] for y in range(20, 50, 5)]
-    path = {"quantity": ["point.1.x", "point.1.y"], "points": points}
-    study = {"deck": str(PATH), "restarts": 8, "seed": 3, "parameters": parameters, "targets": {"path": path}}
-    end = interface.fit(study)
-    assert 2.0 * end["cost"] < 1e-8
-    found = end["parameters"]
-    crank = np.linspace(0.0, 2.0 * np.pi, 200_001)
-    curve = coupler_points(crank, *(found[name] for name in ("r1", "r2", "r3", "r4", "cx", "cy")))
-    curve = curve * np.exp(1j * found["turn"]) + complex(found["x0"], found["y0"])
-    nearest = [np.argmin(abs(curve - complex(*point))) for point in points]
-    assert max(abs(curve[nearest] - [complex(*point) for point in points])) < 3e-3
-    turns = np.mod(np.diff([*nearest, nearest[0]]), 200_000)
-    assert sum(turns) in (200_000, 5 * 200_000)  # once forwards, or once backwards
-
-
 def test_a_function_generator_is_that_of_freudensteins_equation():
     """y = x^1.5 at three Chebyshev points: the solution of three linear equations, and its largest error."""
     x = 2.5 + 1.5 * np.cos(np.radians([150.0, 90.0, 30.0]))

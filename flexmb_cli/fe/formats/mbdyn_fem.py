@@ -25,7 +25,7 @@ _NAMES = {2: "node numbers", 5: "x", 6: "y", 7: "z", 8: "shapes", 9: "modal mass
 class ModalFile:
     """Content of a .fem file of n nodes and N modes; SI units, axes of the file.
 
-    `lumps`: mass in three directions and inertia about three axes of each node; `rigid`: mass, centre and
+    `nodal_masses`: masses along and inertias about three axes of each node; `rigid`: mass, centre and
     inertia of the undeformed body (13,), empty where the file has none.
     """
 
@@ -34,7 +34,7 @@ class ModalFile:
     shapes: np.ndarray  # (N, n, 6) displacements and rotations
     mass: np.ndarray  # (N, N)
     stiffness: np.ndarray  # (N, N)
-    lumps: np.ndarray  # (n, 6)
+    nodal_masses: np.ndarray  # (n, 6)
     rigid: np.ndarray  # (13,) or (0,)
 
 
