@@ -8,18 +8,24 @@ Record fields are those of `model.arrays.contacts`, numbers of the law those of 
 """
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ._jit import kernel
-from .contact_shapes import across, nearest, outward
+from .bristles import answer_bristles, let_go, stribeck_friction
+from .contact_shapes import Axes, across, nearest, outward
 from .laws import SMALL
 from .linalg.vec3 import cross, dot, minus, plus, scaled, store, triple
+
+if TYPE_CHECKING:
+    from ..model.arrays.signals import Signals
 
 Triple = tuple[float, float, float]
 CONTACT = 6  # code of the law; a test compares it with model.laws
 # Numbers of the law.
 RIGIDITY, EXPONENT, LOSS, MU, MU_STATIC, MU_STRIBECK, MU_CREEP, ROLLING, TORSION = 0, 1, 2, 3, 4, 5, 6, 7, 8
+BRISTLE, BRISTLE_DAMPING = 9, 10
 # Columns of the answers of systems with contacts, besides those of `laws`: force on body j, N, and place, m,
 # both in global axes; number of touches, time of the last change, s.
 PUSH, PLACE, TOUCHES, CHANGED = 8, 11, 14, 15
@@ -29,8 +35,8 @@ BY_GAP, SEPARATE, TOUCHING = 0, 1, 2
 
 
 @kernel
-def answer_touch(c: np.ndarray, touch: np.void, i: np.void, j: np.void) -> None:
-    """Fill what kernels fill of a TOUCH between placed END records by the numbers c (10,) of a law."""
+def answer_touch(c: np.ndarray, touch: np.void, signals: "Signals", i: np.void, j: np.void) -> None:
+    """Fill what kernels fill of a TOUCH between placed END records by the numbers c (11,) of a law."""
     axes_i = triple(i["axes"], 0), triple(i["axes"], 3), triple(i["axes"], 6)
     axes_j = triple(j["axes"], 0), triple(j["axes"], 3), triple(j["axes"], 6)
     w_i, w_j = triple(i["angular"], 0), triple(j["angular"], 0)
@@ -48,7 +54,16 @@ def answer_touch(c: np.ndarray, touch: np.void, i: np.void, j: np.void) -> None:
     store(arm_j, touch["arm_j"], 0)
     store(n, touch["normal"], 0)
     if N != 0.0:
-        touch["power"] += _resist(c, touch, n, minus(slip, scaled(rate, n)), minus(w_j, w_i))
+        v = minus(slip, scaled(rate, n))
+        if touch["bristle"] >= 0:
+            power = _bend_bristles(c, touch, signals, n, v, axes_i)
+        else:
+            power = _rub(c, touch, n, v)
+        if c[ROLLING] > 0.0 or c[TORSION] > 0.0:
+            power += _resist_turns(c, touch, n, minus(w_j, w_i))
+        touch["power"] += power
+    elif touch["bristle"] >= 0:
+        let_go(signals, touch["bristle"], c[BRISTLE], c[BRISTLE_DAMPING])
 
 
 @kernel
@@ -68,22 +83,43 @@ def _normal_force(c: np.ndarray, touch: np.void) -> float:
 
 
 @kernel
-def _resist(c: np.ndarray, touch: np.void, n: Triple, slip: Triple, w: Triple) -> float:
-    """Fill what friction and rolling resistance add per unit of the normal force; return their power."""
+def _rub(c: np.ndarray, touch: np.void, n: Triple, slip: Triple) -> float:
+    """Fill what friction adds per unit of the normal force; return its power."""
     N, v = touch["effort"], math.sqrt(dot(slip, slip))
     share, slope = contact_friction(c, v)
     store(minus(n, scaled(share, slip)), touch["push"], 0)
     along = scaled(1.0 / v, slip) if v > SMALL * c[MU_CREEP] else across(n)
     store(along, touch["along"], 0)
     touch["slope_along"], touch["slope_across"] = N * max(slope, 0.0), N * share
-    power = -N * share * v * v
-    if c[ROLLING] > 0.0 or c[TORSION] > 0.0:
-        creep = c[MU_CREEP] / (touch["radius_j"] if touch["radius_j"] > 0.0 else 1.0)
-        rolling, drilling = minus(w, scaled(dot(n, w), n)), scaled(dot(n, w), n)
-        roll = plus(_lever(c[ROLLING], rolling, creep), _lever(c[TORSION], drilling, creep))
-        store(roll, touch["roll"], 0)
-        power += N * dot(roll, w)
-    return power
+    return -N * share * v * v
+
+
+@kernel
+def _bend_bristles(
+    c: np.ndarray, touch: np.void, signals: "Signals", n: Triple, slip: Triple, axes: Axes
+) -> float:
+    """The same by bristles on body i, whose axes are at hand; only what lies across the normal pushes."""
+    N, v = touch["effort"], math.sqrt(dot(slip, slip))
+    mu = stribeck_friction(c[MU], max(c[MU_STATIC], c[MU]), c[MU_STRIBECK], v)
+    own = dot(axes[0], slip), dot(axes[1], slip), dot(axes[2], slip)
+    bent, share = answer_bristles(signals, touch["bristle"], 3, c[BRISTLE], c[BRISTLE_DAMPING], mu, own)
+    force = outward(axes, bent)
+    force = minus(force, scaled(dot(n, force), n))
+    store(plus(n, force), touch["push"], 0)
+    store(scaled(1.0 / v, slip) if v > 0.0 else across(n), touch["along"], 0)
+    touch["hold"] = N * c[BRISTLE] * share
+    touch["slope_along"] = touch["slope_across"] = N * c[BRISTLE_DAMPING] * share
+    return N * dot(force, slip)
+
+
+@kernel
+def _resist_turns(c: np.ndarray, touch: np.void, n: Triple, w: Triple) -> float:
+    """Fill the torque against rolling and drilling per unit of the normal force; return its power."""
+    creep = c[MU_CREEP] / (touch["radius_j"] if touch["radius_j"] > 0.0 else 1.0)
+    rolling, drilling = minus(w, scaled(dot(n, w), n)), scaled(dot(n, w), n)
+    roll = plus(_lever(c[ROLLING], rolling, creep), _lever(c[TORSION], drilling, creep))
+    store(roll, touch["roll"], 0)
+    return touch["effort"] * dot(roll, w)
 
 
 @kernel
@@ -95,7 +131,7 @@ def _lever(lever: float, w: Triple, creep: float) -> Triple:
 
 @kernel
 def contact_friction(c: np.ndarray, v: float):
-    """μ(v)/v and dμ/dv at the sliding speed v >= 0 by the numbers c (10,) of a contact law."""
+    """μ(v)/v and dμ/dv at the sliding speed v >= 0 by the numbers c (11,) of a contact law."""
     more = max(c[MU_STATIC] - c[MU], 0.0)
     fade, rise = math.exp(-((v / c[MU_STRIBECK]) ** 2)), math.tanh(v / c[MU_CREEP])
     mu = c[MU] + more * fade

@@ -20,6 +20,7 @@ from .linalg.vec3 import accumulate, cross, dot, minus, plus, scaled, store, tri
 
 if TYPE_CHECKING:
     from ..model.arrays.contacts import Contacts
+    from ..model.arrays.signals import Signals
 
 Triple = tuple[float, float, float]
 LEAST_GAP = 1e-3  # of the skin: of a pair that has come near within a step
@@ -27,8 +28,8 @@ MOST_CELLS = 1e12  # cells from the origin, and m: no numbers of cells beyond
 
 
 @kernel
-def answer_set(c: np.ndarray, contacts: "Contacts", k: int, answer: np.ndarray) -> None:
-    """Fill forces and torques of the placed ends of set k, and its answer (16,), by a law's numbers c (10,).
+def answer_set(c: np.ndarray, contacts: "Contacts", signals: "Signals", k: int, answer: np.ndarray) -> None:
+    """Fill forces and torques of the placed ends of set k, and its answer (16,), by a law's numbers c (11,).
 
     Of several pairs gap, rate and place are those of the least gap, the others are sums.
     """
@@ -46,7 +47,7 @@ def answer_set(c: np.ndarray, contacts: "Contacts", k: int, answer: np.ndarray) 
     for n in range(s["first"], s["first"] + s["count"]):
         touch = contacts.touches[n]
         i, j = contacts.ends[touch["end_i"]], contacts.ends[touch["end_j"]]
-        answer_touch(c, touch, i, j)
+        answer_touch(c, touch, signals, i, j)
         if n == s["first"] or touch["gap"] < answer[COORDINATE]:
             answer[COORDINATE], answer[SPEED] = touch["gap"], touch["rate"]
             store(plus(triple(j["position"], 0), triple(touch["arm_j"], 0)), answer, PLACE)

@@ -7,16 +7,22 @@ tanh.  Stops and cables: Hunt and Crossley, Journal of Applied Mechanics 42 (197
 """
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ._jit import kernel, plain
+from .bristles import answer_bristles, stribeck_friction
 from .constrained.time_functions import function_values
+
+if TYPE_CHECKING:
+    from ..model.arrays.signals import Signals
 
 # The codes of model.laws; a test compares them.
 SPRING, CABLE, MOTOR, STOP = 1, 2, 3, 4
 # Numbers of friction: coefficients, speeds in m/s, radius in m, normal force besides that of the joint in N.
 DYNAMIC, STATIC, STRIBECK, CREEP, RADIUS, NORMAL_PRELOAD = 0, 1, 2, 3, 4, 5
+BRISTLE, BRISTLE_DAMPING = 6, 7  # stiffness, 1/m, and damping, s/m, of bristles
 # Columns of the answers.
 COORDINATE, SPEED, EFFORT, POWER, STIFFNESS, DAMPING, NORMAL, ENERGY = 0, 1, 2, 3, 4, 5, 6, 7
 ANSWER_COLUMNS = 8
@@ -91,15 +97,37 @@ def _pushed_back(k: float, b: float, depth: float, approach: float, sign: float,
 
 @kernel
 def answer_unit_friction(
-    law: np.void, turning: float, sliding: float, both: bool, answer: np.ndarray
-) -> float:
-    """Answer for friction by the normal force 1 N at two sliding speeds, m/s; returns the force per speed."""
+    law: np.void, signals: "Signals", turning: float, sliding: float, both: bool, answer: np.ndarray
+) -> tuple[float, float]:
+    """Answer for friction by the normal force 1 N at two sliding speeds, m/s; returns forces along them."""
     v = math.sqrt(turning * turning + sliding * sliding)
+    if law["bristle"] >= 0:
+        return _answer_unit_bristles(law, signals, turning, sliding, v if both else 0.0, answer)
     share, slope = friction_share(law, v)
     signed = v if both else turning + sliding
     answer[COORDINATE], answer[SPEED], answer[EFFORT] = 0.0, signed, -share * signed
     answer[POWER], answer[DAMPING], answer[NORMAL] = -share * v * v, max(slope, 0.0), 1.0
-    return share
+    answer[STIFFNESS] = 0.0
+    return -share * turning, -share * sliding
+
+
+@kernel
+def _answer_unit_bristles(
+    law: np.void, signals: "Signals", turning: float, sliding: float, both: float, answer: np.ndarray
+) -> tuple[float, float]:
+    """The same with bristles; `both`: the sliding speed of two, 0: of one, m/s."""
+    c = law["c"]
+    v = math.sqrt(turning * turning + sliding * sliding)
+    mu = stribeck_friction(c[DYNAMIC], c[STATIC], c[STRIBECK], v)
+    force, share = answer_bristles(
+        signals, law["bristle"], 2, c[BRISTLE], c[BRISTLE_DAMPING], mu, (turning, sliding, 0.0)
+    )
+    power = force[0] * turning + force[1] * sliding
+    answer[COORDINATE], answer[SPEED] = 0.0, both if both > 0.0 else turning + sliding
+    answer[EFFORT], answer[POWER] = power / both if both > 0.0 else force[0] + force[1], power
+    answer[STIFFNESS], answer[DAMPING] = c[BRISTLE] * share, c[BRISTLE_DAMPING] * share
+    answer[NORMAL] = 1.0
+    return force[0], force[1]
 
 
 @kernel

@@ -216,6 +216,14 @@ def take_states(signals: "Signals", z: np.ndarray, first: int) -> None:
 
 
 @kernel
+def take_known(signals: "Signals", known: np.ndarray, first: int, ahead: float) -> None:
+    """Have states of bristles in the next evaluation follow from `known`, from `first` on, and from rates."""
+    for i in range(signals.known.shape[0]):
+        signals.known[i] = known[first + i]
+    signals.ahead[0] = ahead
+
+
+@kernel
 def give_rates(signals: "Signals", dz: np.ndarray, first: int) -> None:
     """Give the rates of the states of signals to dz, from `first` on."""
     for i in range(signals.rates.shape[0]):

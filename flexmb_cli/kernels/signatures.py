@@ -82,7 +82,7 @@ TUPLES = {
         "f2 Contacts int bool",
     ),
     "Contacts": ("model.arrays.contacts:Contacts", "CONTACT_SET1 END1 TOUCH1 KEPT1 i1 i2"),
-    "Signals": ("model.arrays.signals:Signals", "SIGNAL1 i1 i1 f1 f2 f1 f1 f2"),
+    "Signals": ("model.arrays.signals:Signals", "SIGNAL1 i1 i1 f1 f2 f1 f1 f1 f1 f2"),
     "NodeFrames": (
         "model.arrays.node_frames:NodeFrames",
         "NODE_FRAME1 FLEXIBLE_PARENT1 f1 f2 f2 f1 f2 f2 f2 f2 f2 f1 f1",

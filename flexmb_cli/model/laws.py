@@ -336,6 +336,12 @@ FORCE, TORQUE = (
 )
 DRIVING = (MOTOR, FORCE, TORQUE)  # which follow functions of time
 LEAST_SPEED = 1e-100  # m/s, of friction: squares of speeds over it are still doubles
+# Of the friction of Canudas de Wit and others, see `kernels.bristles`.
+BRISTLES = (
+    Parameter("bristle", "stiffness of bristles, which make friction stick, per unit of the normal force", 0,
+              -1, 0, 0.0),
+    Parameter("bristle_damping", "damping of bristles per unit of the normal force", 0, -1, 1, 0.0),
+)  # fmt: skip
 # From the part N of the joint's reaction force across its axis plus `preload`: at the sliding speed v (radius
 # times rate of the angle, rate of the stroke, or the root of the sum of their squares) the force mu N opposes
 # sliding, mu = (dynamic + (static - dynamic) exp(-(v/stribeck)^2)) tanh(v/creep).  In a screw the force on
@@ -347,14 +353,16 @@ FRICTION = Law(
         Parameter("dynamic", "coefficient of sliding friction"),
         Parameter("static", "coefficient of static friction"),
         Parameter("stribeck", "speed in which one fades into the other", 0, 1, -1, above=LEAST_SPEED),
-        Parameter("creep", "speed in which friction rises from 0", 0, 1, -1, above=LEAST_SPEED),
+        Parameter("creep", "speed in which friction rises from 0, without bristles", 0, 1, -1, 1e-3,
+                  above=LEAST_SPEED),
         Parameter("radius", "radius of the bearing", 0, 1, 0, 0.0),
         Parameter("preload", "force between the parts besides the reaction", 1, 0, 0, 0.0),
+        *BRISTLES,
     ),
     (Joint,),
     ("dynamic", "static"),
     "dry friction in a joint, from its reaction force",
-)
+)  # fmt: skip
 # Hunt and Crossley's force at the depth d of two shapes, and friction by it, as in FRICTION.
 CONTACT = Law(
     "CONTACT",
@@ -369,6 +377,7 @@ CONTACT = Law(
         Parameter("creep", "speed in which friction rises from 0", 0, 1, -1, 1e-3, above=LEAST_SPEED),
         Parameter("rolling", "lever of the normal force that resists rolling", 0, 1, 0, 0.0),
         Parameter("torsion", "lever of the normal force that resists turning about the normal", 0, 1, 0, 0.0),
+        *BRISTLES,
         Parameter("restitution", "ratio of speeds after and before a free collision at `speed`", default=1.0,
                   above=0.0),
         Parameter("speed", "speed of approach at which `restitution` holds", 0, 1, -1, 0.0),
@@ -415,6 +424,11 @@ class Element:
         if isinstance(self.measure, Push):
             return self.measure.turning
         return isinstance(self.measure, At | Cam) and is_angle(self.measure.coordinate)
+
+    @property
+    def sticks(self) -> bool:
+        """Return whether it has friction by bristles, which are states of the motion."""
+        return BRISTLES[0] in self.law.parameters and self[BRISTLES[0].name] > 0.0
 
     @property
     def linear(self) -> bool:

@@ -163,6 +163,10 @@ def _check_lines(elements: JointElements, wish: Wish) -> None:
                 "a time at which the motion is at rest"
             )
             faults.append(Fault("error", message, signal.place, signal.name, id="RUN-141"))
+    for item in elements.forces:
+        if item.sticks and wish.out is not None:
+            message = "sticks by bristles, whose states a state space does not include; leave out bristle="
+            faults.append(Fault("error", message, item.place, item.name, id="SOLVE-231"))
     if faults:
         raise ModelError(faults)
 

@@ -7,9 +7,11 @@ from scipy.spatial.transform import Rotation
 from flexmb_cli.kernels.contact import answer_touch
 from flexmb_cli.model.arrays.contacts import END, fill_contact, touch_records
 from flexmb_cli.model.arrays.records import LAW
+from flexmb_cli.model.arrays.signals import signal_arrays
 from flexmb_cli.model.laws import CONTACT, PAIRS, Element, Touch
 
 STEP = 1e-6  # s
+SIGNALS = signal_arrays(())
 NORMAL = (0.6, 0.0, 0.8)
 SHAPES = {"axis": (0.2, 0.3, -0.1), "radius": 0.15, "size": (0.3, 0.4, 0.5)}
 KEYS = {"sphere": ["radius"], "capsule": ["axis", "radius"], "cylinder": ["axis", "radius"], "box": ["size"]}
@@ -51,6 +53,6 @@ def test_the_rate_of_a_gap_is_its_derivative(pair):
         for _ in range(6):
             at, answers = motion(rng), np.repeat(record, 3)
             for t, answer in zip((-STEP, 0.0, STEP), answers, strict=True):
-                answer_touch(c, answer, *at(t))
+                answer_touch(c, answer, SIGNALS, *at(t))
             slope = (answers["gap"][2] - answers["gap"][0]) / (2.0 * STEP)
             assert answers["rate"][1] == pytest.approx(slope, abs=1e-7)

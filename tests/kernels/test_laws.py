@@ -112,7 +112,7 @@ def test_a_code_without_a_law_answers_no_number(code):
 
 
 def test_friction_slides_with_its_coefficient():
-    item = Element("", FRICTION, Joint(0), (0.2, 0.35, 0.4, 0.05, 0.0, 0.0))
+    item = Element("", FRICTION, Joint(0), (0.2, 0.35, 0.4, 0.05, 0.0, 0.0, 0.0, 0.0))
     record = np.zeros(1, LAW)[0]
     fill_law(record, item.law, item.values)
     with interpreting():

@@ -14,6 +14,7 @@ from ...model.diagnostics import Findings
 from ...model.general_joints import Release
 from ...model.joint_elements import Coupling, Curve, JointDriver, JointElements, JointStart, StartAtRest
 from ...model.laws import (
+    BRISTLES,
     FRICTION,
     FUNCTIONS,
     OF_TIME,
@@ -31,6 +32,7 @@ from ...model.laws import (
     motors_last,
 )
 from ...model.time_functions import PERIODIC
+from .bristles import check_bristles
 from .contacts import touch_of
 from .functions import Functions
 from .general_joints import general_joint
@@ -132,6 +134,8 @@ class BlockBuilder:
         self._check(line, law)
         measure = self._measure(line, law)
         values = {p.name: self._parameter(line, p) for p in law.parameters if not self._is_missing(line, p)}
+        if BRISTLES[0] in law.parameters and measure is not None:
+            check_bristles(line, self.measures, measure)
         if measure is None or any(f.severity == "error" for f in self.findings.faults[before:]):
             return None
         element = Element(line.subject, law, measure, law.values(**values), line.place)

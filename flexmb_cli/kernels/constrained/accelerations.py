@@ -16,7 +16,7 @@ import numpy as np
 
 from .._jit import allocating, kernel, part
 from ..kinematics import constraints as equations
-from ..laws import DAMPING, EFFORT, NORMAL, POWER
+from ..laws import DAMPING, EFFORT, NORMAL, POWER, STIFFNESS
 from ..linalg.cholesky import cholesky, cholesky_solve, cholesky_solve_rows
 from ..linalg.local_order import choose_by_rows
 from ..linalg.number_rows import copy
@@ -335,8 +335,9 @@ def _add_friction(system: System, work: Work) -> float:
     power = 0.0
     for k in range(count):
         answer = work.responses[first + k]
-        for column in (EFFORT, POWER, DAMPING, NORMAL):
+        for column in (EFFORT, POWER, STIFFNESS, DAMPING, NORMAL):
             answer[column] *= normals[k]
+        answer[STIFFNESS] *= feedback[k]
         answer[DAMPING] *= feedback[k]
         power += answer[POWER]
         for i in range(n):

@@ -26,7 +26,7 @@ def add_contact(
     first, end = s["first_end"], s["first_end"] + s["ends"]
     for e in range(first, end):
         _place(geometry, contacts.ends[e], u)
-    answer_set(load["c"], contacts, load["group"], answer)
+    answer_set(load["c"], contacts, system.signals, load["group"], answer)
     for e in range(first, end):
         one = contacts.ends[e]
         _push(geometry, one, triple(one["force"], 0), triple(one["torque"], 0), f)
@@ -109,5 +109,6 @@ def _slope_force(touch: np.void, v: Triple, by_position: float, by_speed: float)
     across = cross(n, along)
     stiffness = by_position * touch["stiffness"] + by_speed * touch["damping"]
     force = scaled(stiffness * dot(n, v), n)
-    force = plus(force, scaled(by_speed * touch["slope_along"] * dot(along, v), along))
-    return plus(force, scaled(by_speed * touch["slope_across"] * dot(across, v), across))
+    hold = by_position * touch["hold"]
+    force = plus(force, scaled((hold + by_speed * touch["slope_along"]) * dot(along, v), along))
+    return plus(force, scaled((hold + by_speed * touch["slope_across"]) * dot(across, v), across))

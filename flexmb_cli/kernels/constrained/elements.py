@@ -167,11 +167,13 @@ def add_unit_friction(system: System, work: Work, k: int, f: np.ndarray) -> None
     r, turns, slides = load["c"][RADIUS], load["primitive"] >= 0, load["stroke"] >= 0
     turning = primitive_rates(geometry, load["primitive"])[0] * r if turns else 0.0
     sliding = primitive_rates(geometry, load["stroke"])[0] if slides else 0.0
-    share = answer_unit_friction(load, turning, sliding, turns and slides, work.responses[k])
+    about, along = answer_unit_friction(
+        load, system.signals, turning, sliding, turns and slides, work.responses[k]
+    )
     if turns:
-        add_primitive_row(geometry, load["primitive"], -share * turning * r, f)
+        add_primitive_row(geometry, load["primitive"], about * r, f)
     if slides:
-        add_primitive_row(geometry, load["stroke"], -share * sliding, f)
+        add_primitive_row(geometry, load["stroke"], along, f)
 
 
 @kernel

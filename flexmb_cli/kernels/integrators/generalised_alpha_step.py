@@ -44,7 +44,7 @@ from ..signals import take_states
 from .clock import LOOK, leads_over
 from .constrained_equations import fastest_change, firm_pivot, first_speed
 from .error_norm import CAUTION, ITERATED, SLOWEST, displacement_tolerance, tolerance
-from .signal_states import correct_states, error_of_trapezoid, predict_states
+from .signal_states import correct_states, error_of_trapezoid, know_end, predict_states
 from .singular_ahead import NOISE, SPEED_ROUND_OFF, blur, look_ahead, round_off
 
 if TYPE_CHECKING:
@@ -294,7 +294,9 @@ def iterate(
     quality, left, before, gap_before = 0.0, memory["left"] ** CAUTION, 0.0, np.inf
     for iteration in range(MOST_ITERATIONS):
         clock["evaluations"] += 1
+        know_end(system, integration, states[LAST], h)
         clock["fault"] = _evaluate(system, work, integration, t)
+        system.signals.ahead[0] = 0.0
         if clock["fault"] == SOLVED and (iteration == 0 or work.quality[0] != quality):
             # Other speeds are free from now on where the quality has changed.
             clock["fault"] = _set_matrix(system, work, integration, by_position, by_speed)

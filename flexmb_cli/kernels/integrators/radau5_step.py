@@ -47,7 +47,7 @@ from .error_norm import CAUTION, displacement_tolerance, scaled_norm, tolerance
 from .generalised_alpha_step import turn_exactly
 from .hermite import cubic, quintic
 from .rotation_increments import LONGEST_TURN, largest_turn, set_slope
-from .signal_states import error_of_stages, first_state, place_states
+from .signal_states import error_of_stages, first_state, know_stage, place_states
 from .singular_ahead import blur
 
 if TYPE_CHECKING:
@@ -153,7 +153,9 @@ def solve_step(system: System, work: Work, integration: "RadauIntegration", h: f
     for iteration in range(MOST_ITERATIONS):
         for stage in range(STAGES):
             clock["evaluations"] += 1
+            know_stage(system, integration, integration.state_rates[1 : 1 + STAGES], WEIGHTS, stage, h)
             clock["fault"] = _evaluate(system, work, integration, stage, clock["t"] + TIMES[stage] * h)
+            system.signals.ahead[0] = 0.0
             # Other speeds are free from now on where the quality has changed.
             if clock["fault"] != SOLVED or work.quality[0] != quality:
                 return False

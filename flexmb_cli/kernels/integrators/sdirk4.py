@@ -17,6 +17,7 @@ import numpy as np
 from .._jit import kernel
 from ..linalg.number_rows import copy
 from ..linalg.profile_ldl import set_profile_times
+from ..signals import take_known
 from ..tree.implicit_matrix import Stiff, factorise, renew, set_mass_times, solve_stiff, stiff_work
 from ..tree.kane import SOLVED
 from ..tree.motion import derivative, normalise_attitudes
@@ -279,7 +280,9 @@ def _solve_stage(
     for iteration in range(MOST_ITERATIONS):
         _place_trial(h, slope, s)
         clock["evaluations"] += 1
+        take_known(tree.signals, s.known, 2 * s.change.shape[0] + 4 * tree.balls, DIAGONAL * h)
         clock["fault"] = derivative(tree, work, coordinates, t, s.trial, s.rate)
+        tree.signals.ahead[0] = 0.0
         if clock["fault"] != SOLVED:
             return False
         size = _correct(tree, h, slope, s)

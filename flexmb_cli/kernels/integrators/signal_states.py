@@ -1,6 +1,7 @@
 """States of signals in implicit methods: first-order equations beside those of the motion.
 
-They are iterated by substitution.  Rates (s,) are those of the s states, 1/s.
+They are iterated by substitution; those of bristles follow from the speeds of a stage.
+Rates (s,) are those of the s states, 1/s.
 """
 
 from typing import TYPE_CHECKING
@@ -38,6 +39,35 @@ def place_states(
             states[stage, k] += change
             total += (change / tolerance(clock, integration.units[first + k], abs(states[stage, k]))) ** 2
     return total
+
+
+@kernel
+def know_stage(
+    system: System,
+    integration: "RadauIntegration",
+    rates: np.ndarray,
+    weights: np.ndarray,
+    stage: int,
+    h: float,
+) -> None:
+    """Have the states of bristles at a stage follow from rates (3, s) of the others, and weights (3, 3)."""
+    signals, first = system.signals, first_state(system)
+    for k in range(signals.known.shape[0]):
+        known = integration.z[first + k]
+        for j in range(rates.shape[0]):
+            if j != stage:
+                known += h * weights[stage, j] * rates[j, k]
+        signals.known[k] = known
+    signals.ahead[0] = h * weights[stage, stage]
+
+
+@kernel
+def know_end(system: System, integration: "AlphaIntegration", last: np.ndarray, h: float) -> None:
+    """Have the states of bristles at the end of a step follow from the rates last (s,) at its start."""
+    signals, first = system.signals, first_state(system)
+    for k in range(signals.known.shape[0]):
+        signals.known[k] = integration.z[first + k] + 0.5 * h * last[k]
+    signals.ahead[0] = 0.5 * h
 
 
 @kernel

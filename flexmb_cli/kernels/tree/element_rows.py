@@ -46,7 +46,7 @@ def set_element_rows(
         slopes[e, 0], slopes[e, 1] = max(tree.answers[e, STIFFNESS], 0.0), max(tree.answers[e, DAMPING], 0.0)
         if k >= 0:
             _set_friction_row(tree.frictions[k], y, rows[e])
-            slopes[e, 0], slopes[e, 1] = 0.0, slopes[e, 1] * tree.normals[k]
+            slopes[e, 0], slopes[e, 1] = slopes[e, 0] * tree.normals[k], slopes[e, 1] * tree.normals[k]
         elif tree.elements[e]["measure"] == IN_COORDINATE:
             rows[e, tree.elements[e]["coordinate"]] = 1.0
             if tree.elements[e]["curve"] >= 0:
@@ -72,7 +72,8 @@ def _take_feedback(tree: "TreeArrays", slopes: np.ndarray) -> None:
     feedback = np.ones(tree.normals.shape[0])
     fill_feedback(tree.joint_forces, tree.normals, feedback)
     for k in range(feedback.shape[0]):
-        slopes[tree.elements.shape[0] + k, 1] *= feedback[k]
+        for order in range(2):
+            slopes[tree.elements.shape[0] + k, order] *= feedback[k]
 
 
 @kernel
@@ -89,6 +90,7 @@ def _set_touch(
     touch, ends = tree.contacts.touches[k], tree.contacts.ends
     normal, along = triple(touch["normal"], 0), triple(touch["along"], 0)
     slopes[first, 0], slopes[first, 1] = touch["stiffness"], touch["damping"]
+    slopes[first + 1, 0], slopes[first + 2, 0] = touch["hold"], touch["hold"]
     slopes[first + 1, 1], slopes[first + 2, 1] = touch["slope_along"], touch["slope_across"]
     for n in range(3):
         force = normal if n == 0 else along if n == 1 else cross(normal, along)

@@ -109,7 +109,7 @@ def _answer_contact(
         store(triple(f["angular"], 0), end["angular"], 0)
         for k in range(3):
             store(column(f["axes"], k), end["axes"], 3 * k)
-    answer_set(element["c"], tree.contacts, element["coordinate"], answer)
+    answer_set(element["c"], tree.contacts, tree.signals, element["coordinate"], answer)
     for e in range(s["first_end"], s["first_end"] + s["ends"]):
         end = tree.contacts.ends[e]
         force = inward(work[end["frame"]]["axes"], triple(end["force"], 0))

@@ -10,7 +10,7 @@ import numpy as np
 
 from .._jit import kernel, part
 from ..constrained.dry_friction import PRELOAD, fill_normal_forces
-from ..laws import DAMPING, EFFORT, NORMAL, NORMAL_PRELOAD, POWER, RADIUS, answer_unit_friction
+from ..laws import DAMPING, EFFORT, NORMAL, NORMAL_PRELOAD, POWER, RADIUS, STIFFNESS, answer_unit_friction
 from ..linalg.vec3 import dot, minus, scaled, triple
 from .hinge_forces import hinge_wrench
 from .loop_closures import add_row_forces, find_loop_responses
@@ -28,8 +28,8 @@ def answer_frictions(tree: "TreeArrays", y: np.ndarray) -> None:
         turns, slides = f["turning"] >= 0, f["sliding"] >= 0
         turning = y[f["turning"]] * f["c"][RADIUS] if turns else 0.0
         sliding = y[f["sliding"]] if slides else 0.0
-        share = answer_unit_friction(f, turning, sliding, turns and slides, answer)
-        f["turning_effort"], f["sliding_effort"] = -share * turning * f["c"][RADIUS], -share * sliding
+        about, along = answer_unit_friction(f, tree.signals, turning, sliding, turns and slides, answer)
+        f["turning_effort"], f["sliding_effort"] = about * f["c"][RADIUS], along
 
 
 @kernel
@@ -42,7 +42,7 @@ def find_normal_forces(tree: "TreeArrays", work: np.ndarray, coordinates: np.nda
     for k in range(tree.frictions.shape[0]):
         answer, N = tree.answers[tree.elements.shape[0] + k], tree.normals[k]
         answer[NORMAL] = N
-        for column in (EFFORT, POWER, DAMPING):
+        for column in (EFFORT, POWER, STIFFNESS, DAMPING):
             answer[column] *= N
     for i in range(tree.closures.shape[0]):
         force = tree.row_forces[0, i]

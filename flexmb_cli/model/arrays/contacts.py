@@ -9,6 +9,7 @@ import numpy as np
 
 from ..laws import CONTACT, Element, Touch
 from .function_table import fill_law
+from .records import NONE
 
 # The codes of kernels.contact_shapes; a test compares them.
 PLANE_BALL, PLANE_RIM, CORES, BOX_BALL, CYLINDER_BALL = 0, 1, 2, 3, 4
@@ -30,6 +31,7 @@ TOUCH = np.dtype(
         ("size", np.float64, 3),  # half edges of a box; radius of a rim or of a solid cylinder, m
         ("radius_i", np.float64),  # around the core of i, m
         ("radius_j", np.float64),  # around the core of j, m
+        ("bristle", np.int64),  # the first of three states of its bristles, axes of i, -1: none
         # What kernels fill, in global axes:
         ("gap", np.float64),  # negative where the shapes overlap, m
         ("rate", np.float64),  # of the gap, m/s
@@ -44,6 +46,7 @@ TOUCH = np.dtype(
         ("along", np.float64, 3),  # unit vector of sliding
         ("slope_along", np.float64),  # -dF/dv of friction along it, N s/m
         ("slope_across", np.float64),  # the same across it, N s/m
+        ("hold", np.float64),  # stiffness of bristles that do not slide, N/m
         ("arm_i", np.float64, 3),  # from the point of i to the place of contact, m
         ("arm_j", np.float64, 3),  # from the point of j to the place of contact, m
         ("state", np.int64),  # BY_GAP, SEPARATE or TOUCHING of kernels.contact
@@ -130,6 +133,12 @@ class ContactTable:
         self._touches: list[np.ndarray] = []
         self._never: list[tuple[int, int]] = []
         self._buckets = 0
+        self.bristles = 0
+
+    def new_bristles(self, number: int) -> int:
+        """Return the first of a number of new states of bristles."""
+        self.bristles += number
+        return self.bristles - number
 
     def add(self, item: Element, place: Callable[[int, Any], np.ndarray]) -> np.ndarray:
         """Return the numbers of the sets of a contact, one for each of its names in results.
@@ -139,7 +148,7 @@ class ContactTable:
         touch: Touch = item.measure
         shapes = touch_records(touch)
         groups = [shapes] if len(item.parts) == 1 else [shapes[k : k + 1] for k in range(len(shapes))]
-        return np.array([self._set(touch, group, place) for group in groups])
+        return np.array([self._set(touch, group, place, item.sticks) for group in groups])
 
     def arrays(self) -> Contacts:
         """Return what the kernels read."""
@@ -153,7 +162,9 @@ class ContactTable:
             np.array(self._never, np.int64).reshape(-1, 2),
         )
 
-    def _set(self, touch: Touch, shapes: np.ndarray, place: Callable[[int, Any], np.ndarray]) -> int:
+    def _set(
+        self, touch: Touch, shapes: np.ndarray, place: Callable[[int, Any], np.ndarray], bristles: bool
+    ) -> int:
         first, second = touch.ends_i, touch.ends_j
         own = sum(map(len, self._ends))
         ends = np.array([place(*end) for end in (first if touch.mutual else first + second)])
@@ -180,6 +191,8 @@ class ContactTable:
                 [_between(shape, *pair) for pair in pairs if pair not in skipped for shape in shapes], TOUCH
             )
             record["count"] = record["most"] = len(touches)
+            if bristles:
+                touches["bristle"] = self.new_bristles(3 * len(touches)) + 3 * np.arange(len(touches))
         self._touches.append(touches)
         self._sets.append(record)
         return len(self._sets) - 1
@@ -212,7 +225,7 @@ def _between(shape: np.ndarray, i: int, j: int) -> np.ndarray:
 def touch_records(touch: Touch) -> np.ndarray:
     """Return TOUCH records (parts,) of two shapes, one for each point of the second that may touch."""
     records = np.zeros(touch.parts, TOUCH)
-    records["pair"] = _OF_BALLS.get(touch.first, CORES)
+    records["pair"], records["bristle"] = _OF_BALLS.get(touch.first, CORES), NONE
     records["axis_i"], records["radius_i"] = touch.axis_i, touch.radius_i
     records["radius_j"] = touch.radius_j
     if touch.first == "cylinder":

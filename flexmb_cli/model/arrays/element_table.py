@@ -199,7 +199,8 @@ class ElementTable:
         signals = self.elements.signals
         sensors = [self._sensor(item.measure) for item in signals if item.measure is not None]
         parts = [*(first * [""]), *parts_by_name(self.elements.forces)]
-        return {"sensors": np.array(sensors, LOAD), "signals": signal_arrays(signals, self.table, parts)}
+        records = signal_arrays(signals, self.table, parts, self.table.contacts.bristles)
+        return {"sensors": np.array(sensors, LOAD), "signals": records}
 
     def _sensor(self, measure: Any) -> Any:
         if isinstance(measure, At):
@@ -309,6 +310,8 @@ class ElementTable:
                 record[field] = self.table.spring(self.joints.primitive(joint, coordinate))
         record["body_vector"], record["group"] = self.joints.axis(joint), joint
         fill_law(record, item.law, item.values)
+        if item.sticks:
+            record["bristle"] = self.table.contacts.new_bristles(2)
         if pitch := self.joints.pitch(joint):
             # The flank of a thread stands across its helix: its force is the axial one over the cosine.
             record["thread"] = np.hypot(item["radius"], pitch) / item["radius"]

@@ -24,7 +24,7 @@ OF_A_COORDINATE = 1.0  # in c[3] of a function of pieces whose argument is no ti
 
 def fill_law(record: Any, law: Law, values: tuple[Any, ...], table: "FunctionTable | None" = None) -> Any:
     """Fill the law of a record by values of its parameters; functions join those of the table."""
-    record["shape"], record["f"] = law.code, NONE
+    record["shape"], record["f"], record["bristle"] = law.code, NONE, NONE
     functions_of = zip(law.parameters, values, strict=True)
     record["driven"] = any(p.kind in FUNCTIONS and is_signal(value) for p, value in functions_of)
     numbers = functions = 0

@@ -16,10 +16,11 @@ NONE = -1
 LAW = np.dtype(
     [
         ("shape", np.int64),  # code of a law of `model.laws`
-        ("c", np.float64, 10),  # its numbers in their order, SI units; of a motor a constant effort
+        ("c", np.float64, 11),  # its numbers in their order, SI units; of a motor a constant effort
         # Its functions in their order, -1: none; after one of the coordinate its integral.
         ("f", np.int64, 3),
         ("driven", np.int64),  # 1: by a signal, 0: by none
+        ("bristle", np.int64),  # of friction: first state of its bristles, -1: none
     ]
 )
 

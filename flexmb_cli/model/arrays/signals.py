@@ -44,7 +44,7 @@ SIGNAL = np.dtype(
 
 
 class Signals(NamedTuple):
-    """S signals with N states, which depend on M sensors."""
+    """S signals, which depend on M sensors, and N states: those of bristles, then those of signals."""
 
     records: np.ndarray  # (S,) SIGNAL records
     order: np.ndarray  # (S,) numbers of the signals in the order in which they follow from each other
@@ -53,17 +53,25 @@ class Signals(NamedTuple):
     values: np.ndarray  # (S, 2) value and rate of each, as evaluated last, SI units
     states: np.ndarray  # (N,) states in the evaluation, SI units
     rates: np.ndarray  # (N,) and their rates, SI units a second, 1/s
+    known: np.ndarray  # (N,) states in a stage of an implicit method less `ahead` times their rates, SI units
+    ahead: np.ndarray  # (1,) s: of bristles the states follow from `known`, 0: they are at hand
     sensed: np.ndarray  # (M, 8) answers of the sensors, columns of `kernels.laws`, SI units
 
 
 def signal_arrays(
-    signals: Sequence[Signal], table: "FunctionTable | None" = None, parts: Iterable[str] = ()
+    signals: Sequence[Signal],
+    table: "FunctionTable | None" = None,
+    parts: Iterable[str] = (),
+    bristles: int = 0,
 ) -> Signals:
-    """Return the arrays; functions join those of the table, parts are names of answers of elements."""
+    """Return the arrays; functions join those of the table, parts are names of answers of elements.
+
+    `bristles`: how many states friction has.
+    """
     records = np.zeros(len(signals), SIGNAL)
     inputs: list[int] = []
     numbers: list[float] = []
-    sensors = states = 0
+    sensors, states = 0, bristles
     places = {name: k for k, name in enumerate(parts)}
     for record, (k, signal) in zip(records, enumerate(signals), strict=True):
         own = _numbers(signal)
@@ -92,8 +100,10 @@ def signal_arrays(
         np.array(inputs, np.int64),
         np.array(numbers, float),
         np.zeros((len(signals), 2)),
-        initial_states(signals),
+        np.concatenate([np.zeros(bristles), initial_states(signals)]),
         np.zeros(states),
+        np.zeros(states),
+        np.zeros(1),
         np.zeros((sensors, ANSWER_COLUMNS)),
     )
 

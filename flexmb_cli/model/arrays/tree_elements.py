@@ -112,7 +112,10 @@ class TreeElements:
         """Fields of TreeArrays; drivers must have been added."""
         elements, frictions, sensors = self._elements(), self._frictions(), self._sensors()
         signals = signal_arrays(
-            self.tree.elements.signals, self.table, parts_by_name(self.tree.elements.forces)
+            self.tree.elements.signals,
+            self.table,
+            parts_by_name(self.tree.elements.forces),
+            self._contacts.bristles,
         )
         m, curves = frictions.size, self.table.function_arrays()
         return {
@@ -203,6 +206,8 @@ class TreeElements:
                 for motion, axes in ((ROTATION, hinge.rotations), (TRANSLATION, hinge.translations))
             )
             fill_law(record, item.law, item.values)
+            if item.sticks:
+                record["bristle"] = self._contacts.new_bristles(2)
         return records
 
     def coordinate(self, joint: int, coordinate: str) -> int:

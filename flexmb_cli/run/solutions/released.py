@@ -73,6 +73,10 @@ def _refuse(model: Any, run: Run) -> None:
         if signal.states or signal.kind == SAMPLE_SIGNAL:
             message = "has states or samples, which do not continue when a joint is let go; leave them out"
             faults.append(Fault("error", message, signal.place, signal.name, id="SOLVE-188"))
+    for item in model.elements.forces:
+        if item.sticks:
+            message = "sticks by bristles, which do not continue when a joint is let go; leave out bristle="
+            faults.append(Fault("error", message, item.place, item.name, id="SOLVE-230"))
     if faults:
         raise ModelError(faults)
 

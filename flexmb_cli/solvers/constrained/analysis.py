@@ -241,7 +241,9 @@ class ConstrainedMotion(ConstrainedState):
         integration.z[q.size : end] = (
             start_speeds(self, q, grid.start) if self.rest is None else self.rest[q.size :]
         )
-        integration.z[end : end + len(self.arrays.signals.states)] = initial_states(self.elements.signals)
+        first = initial_states(self.elements.signals)
+        end += len(self.arrays.signals.states) - first.size
+        integration.z[end : end + first.size] = first
         refuse_coinciding_ends(self.system, self.work, chain(self.springs, self.elements.forces), grid.start)
         if found.redundant:
             self.warnings.append(repetition(found, self.usual_repetitions(q), *self.usual_words))

@@ -64,7 +64,8 @@ def joined(made: Callable[..., R], rows: Any, **more: Any) -> R:
 
 def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> ElementRows:
     """The rows of a report in the terms of the model."""
-    rows = dynamic_rows(model, report._replace(wrenches=_in_order_of_deck(model, arrays, report)))
+    ordered = report._replace(wrenches=_in_order_of_deck(model, arrays, report))
+    rows = dynamic_rows(model, ordered, arrays.place_of_work)
     own = report.multipliers[:, report.multipliers.shape[1] - len(model.elements.drivers) :]
     first = len(model.forces) + len(model.torques)
     return joined(

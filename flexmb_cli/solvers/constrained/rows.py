@@ -39,8 +39,8 @@ class DynamicRows(Rows):
         return self.kinetic + self.potential - self.applied_work
 
 
-def dynamic_rows(model: DynamicModel, report: Report) -> DynamicRows:
-    """The rows of a report in the terms of the model."""
+def dynamic_rows(model: DynamicModel, report: Report, place_of_work: int) -> DynamicRows:
+    """The rows of a report in the terms of the model; `place_of_work` of the loads in a state."""
     mechanism = model.mechanism
     bodies, times = len(mechanism.bodies), len(report.times)
     q = report.states[:, : 7 * bodies].reshape(times, bodies, 7)
@@ -59,7 +59,7 @@ def dynamic_rows(model: DynamicModel, report: Report) -> DynamicRows:
         **_forces(mechanism, report.wrenches, q[..., 3:]),
         kinetic=report.audit[:, 0].copy(),
         potential=report.audit[:, 1].copy(),
-        applied_work=report.states[:, 13 * bodies + sum(s.states for s in model.elements.signals)].copy(),
+        applied_work=report.states[:, place_of_work].copy(),
         applied_power=report.powers.copy(),
     )
 

@@ -110,7 +110,7 @@ class ForwardDynamics(LinearisableMotion):
         """The rows of a report in the terms of the model."""
         if self.model.elements:
             return element_rows(self.model, self.arrays, report)
-        return dynamic_rows(self.model, report)
+        return dynamic_rows(self.model, report, self.arrays.place_of_work)
 
 
 class DrivenDynamics(ForwardDynamics):

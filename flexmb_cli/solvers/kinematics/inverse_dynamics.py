@@ -71,7 +71,7 @@ class InverseDynamics:
         if filled < rows.time.size:
             raise undetermined(rows.time[filled])
         fields_of_rows = {field.name: getattr(rows, field.name) for field in fields(Rows)}
-        return replace(dynamic_rows(self.model, report), **fields_of_rows)
+        return replace(dynamic_rows(self.model, report, self.arrays.place_of_work), **fields_of_rows)
 
     def _choose_order(self, report: Report) -> None:
         bodies = len(self.mechanism.bodies)

@@ -20,7 +20,7 @@ class TreeState(ABC):
         self.tree = tree
         self.arrays: TreeArrays = tree_arrays(tree)
         self.work, self.coordinates = tree_work(len(self.arrays.frames), len(tree.coordinates))
-        start = initial_state(tree)
+        start = initial_state(tree, len(self.arrays.signals.states))
         self.coordinates["held"] = self.arrays.given
         works = 1 + len(self.arrays.answers)
         if works > 1 and self.arrays.given.all() and tree.integration.method == "dop853":
@@ -52,10 +52,12 @@ class TreeState(ABC):
         return int(tree_dop853.begin(task, self.arrays, self.work, self.coordinates, self.integration))
 
 
-def initial_state(tree: Tree) -> np.ndarray:
-    """State (n,) at the start: speeds, coordinates, Euler parameters, states of signals, works of elements,
-    applied work.
+def initial_state(tree: Tree, states: int = 0) -> np.ndarray:
+    """State (n,) at the start: speeds, coordinates, Euler parameters, so many states of bristles and signals,
+    works of elements, applied work.
     """
     works = np.zeros(1 + len(list(names_of(tree.elements))))
-    states = initial_states(tree.elements.signals)
-    return np.concatenate([tree.y, tree.q, initial_attitudes(tree).ravel(), states, works])
+    of_signals = initial_states(tree.elements.signals)
+    bristles = np.zeros(max(states - of_signals.size, 0))
+    attitudes = initial_attitudes(tree).ravel()
+    return np.concatenate([tree.y, tree.q, attitudes, bristles, of_signals, works])
