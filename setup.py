@@ -1,4 +1,4 @@
-"""Puts decks and commit into a wheel, and compiled kernels where FLEXMB_REQUIRE_AOT=1 asks for them.
+"""Puts decks and commit into a wheel, kernels if FLEXMB_REQUIRE_AOT=1, and pages if FLEXMB_REQUIRE_DOCS=1.
 
 The libraries are those of all processors and systems of `kernels/signatures.py`: one wheel serves them all.
 numba emits the objects here for every target; Zig, which brings what each system's linker needs, links them.
@@ -17,6 +17,7 @@ from setuptools.command.build_py import build_py
 
 TOP = Path(__file__).resolve().parent
 WANTED = os.environ.get("FLEXMB_REQUIRE_AOT", "0") not in ("", "0")
+PAGES = os.environ.get("FLEXMB_REQUIRE_DOCS", "0") not in ("", "0")
 # Zig's name of processor and system, with the oldest version of it.
 ZIG = {
     "x86_64-linux": "x86_64-linux-gnu.2.17",
@@ -33,6 +34,17 @@ def write_commit(library):
     place = Path("flexmb_cli", "cli", "terminal")
     commit = runpy.run_path(str(TOP / place / "commit.py"))["commit"](TOP)
     (Path(library) / place / "_commit.txt").write_text(commit, encoding="utf-8")
+
+
+def write_pages(library):
+    """Copy the pages that `scripts/docs` has built, without the sources that a browser does not show."""
+    built, place = TOP / "docs" / "_build" / "html", Path(library) / "flexmb_cli" / "docs"
+    # Those of an earlier build would stay.
+    shutil.rmtree(place, ignore_errors=True)
+    if PAGES:
+        if not (built / "index.html").is_file():
+            raise SystemExit("there are no built pages: run scripts/docs first")
+        shutil.copytree(built, place, ignore=shutil.ignore_patterns("_sources", ".doctrees", "objects.inv"))
 
 
 def link(command, objects, library):
@@ -75,6 +87,7 @@ class WithDecksAndLibraries(build_py):
         if not self.editable_mode:
             shutil.copytree(TOP / "decks", Path(self.build_lib) / "flexmb_cli" / "decks", dirs_exist_ok=True)
             write_commit(self.build_lib)
+            write_pages(self.build_lib)
             libraries = Path(self.build_lib) / "flexmb_cli" / "kernels" / "libraries"
             # Those of an earlier build would be loaded, whatever the kernels are now.
             shutil.rmtree(libraries, ignore_errors=True)

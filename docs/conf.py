@@ -19,6 +19,8 @@ myst_heading_anchors = 3
 html_theme = "furo"
 html_title = f"flexmb {release}"
 html_static_path = ["_static"]
+(HERE / "_build" / "extra").mkdir(parents=True, exist_ok=True)
+html_extra_path = ["_build/extra"]  # the live pages of the gallery
 html_css_files = ["flexmb.css"]
 html_show_copyright = False
 exclude_patterns = ["_build", "_ext"]

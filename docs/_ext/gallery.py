@@ -6,11 +6,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 from deck_picture import draw
-from deck_runs import DOCS, TOP, checked, solved
+from deck_runs import DOCS, TOP, checked, flexmb, solved
 
 PAGES = DOCS / "gallery"
 PICTURES = DOCS / "pictures" / "gallery"
-DRAWING = Path(__file__).with_name("deck_picture.py")
+LOOK = TOP / "flexmb_cli" / "results" / "figures"
+DRAWING = [Path(__file__).with_name("deck_picture.py"), *LOOK.rglob("*.*")]
 BREAK = "_\u200b"  # where long names may break
 # Page: title, folder, pattern.
 GROUPS = {
@@ -19,15 +20,41 @@ GROUPS = {
     "dafms": ("DAFMS decks", "dafms", "**/*.DAT"),
     "vsdf": ("VSDF decks", "vsdf", "*.vsdf"),
 }
+# Sections of the index: title, and decks from the most striking one on; the last section has all others.
+SECTIONS = {
+    "Machines": (
+        "slider_crank_stress IN-MACHINE IN-BREAK IN-ANDREWS IN-BRICARD IN-CAM IN-ROLL IN-PID IN-RAIL IN-BALL "
+        "IN-ELEMENTS motor_gear IN-ARM"
+    ),
+    "Finite-element bodies": (
+        "strap_fine blade frame_on_shaft beam_on_crank slider_crank_flex.vsdf spinup pendulum_ccx freeflying "
+        "hinge_moment beam_elements pendulum_dmig pendulum.vsdf pendulum_abq pendulum_hb pendulum_op4 "
+        "pendulum_pinned strap_medium strap_coarse"
+    ),
+    "Linkages": (
+        "IN4-BAR IN-RSSR IN5BODY IN-PATH fourbar_rigid IN4-BAR-MASS IN-RSSR-MASS IN-RSSR-COELHO IN-PAIR "
+        "driven_pair IN-HOLD IN-LINK arm_elements"
+    ),
+    "Trees of flexible beams": (
+        "fourbar_flex slider_crank_flex.dat two_link_n4 spinning_beams spatial_flex arm_nrot stiff_arm "
+        "shaft_beam_n10 shaft_beam_n10_unco shaft_beam_n5 shaft_beam_n2 two_link_n2 "
+        "two_link_n2_unco spatial_rigid sliding_mass pendulum.dat pendulum_strict IN-SPRING"
+    ),
+    "A joint or a body alone": "",
+}
 HEAD = """# Gallery
 
-Every supplied deck; click on one for its curves and key numbers. `flexmb examples NAME` copies a deck with
-its files, `flexmb report` shows its motion. `scripts/docs` makes these pages and their pictures.
+Every supplied deck, the most striking first. The picture leads to curves and key numbers, "live" to the
+page that `flexmb report` writes: play the motion and turn it. `flexmb examples NAME` copies a deck with its
+files.
 """
 HEAD_OF_PAGE = """
-The mechanism at some instants (faint: earlier), the curves that `flexmb plot` draws by default, and
-key numbers.
+A frame of the film of `flexmb report --movie`, the curves that `flexmb plot` draws by default, and key
+numbers.
 """
+LIVE = DOCS / "_build" / "extra" / "live"  # pages that the build copies to live/ of the site
+# What the entry of a deck states, and its card does not.
+ANALYSES = ("Forward: ", "Inverse: ", "A given motion: ")
 COLOURS = """Finite-element bodies are coloured by von Mises stress, those without a card `MATL` by their
 deformation; the straps by values up to that at the hole, which their joints exceed. Bodies with shapes
 (`GEOM`) look like these.
@@ -36,7 +63,7 @@ deformation; the straps by values up to that at the hole, which their joints exc
 
 def gallery() -> None:
     """Solve all decks that are not kept, draw those whose pictures are older, and write the pages."""
-    for folder in (PICTURES, PAGES):
+    for folder in (PICTURES, PAGES, LIVE):
         folder.mkdir(parents=True, exist_ok=True)
     groups = {page: decks_of(page) for page in GROUPS}
     decks = [deck for group in groups.values() for deck in group]
@@ -46,7 +73,16 @@ def gallery() -> None:
         text += [_entry(deck, results[deck], records[deck]) for deck in group]
         _write(page, text)
     tree = "\n".join(["```{toctree}", ":hidden:", "", *GROUPS, "```", ""])
-    _write("index", [HEAD, *(_thumbnails(page, group) for page, group in groups.items()), tree])
+    _write("index", [HEAD, *(_cards(title, group) for title, group in sections(decks).items()), tree])
+
+
+def sections(decks: list[Path]) -> dict[str, list[Path]]:
+    """Return the decks of each section, in its order; decks that no section names are in the last one."""
+    known = {name: deck for deck in decks for name in (deck.stem, _name(deck))}
+    named = {title: [known[name] for name in names.split()] for title, names in SECTIONS.items()}
+    listed = {deck for group in named.values() for deck in group}
+    named[list(SECTIONS)[-1]] = [deck for deck in decks if deck not in listed]
+    return named
 
 
 def decks_of(page: str) -> list[Path]:
@@ -59,15 +95,27 @@ def _write(page, text):
     (PAGES / f"{page}.md").write_text("\n".join(text), encoding="utf-8")
 
 
-def _thumbnails(page, group):
+def _cards(title, group):
     cards = [
         f":::{{grid-item-card}} {deck.stem.replace('_', BREAK)}\n"
         f":img-top: ../pictures/gallery/{_name(deck)}.png\n"
-        f":link: gallery-{_name(deck)}\n:link-type: ref\n:link-alt: {purpose(deck)}\n:::\n"
+        f":link: gallery-{_name(deck)}\n:link-type: ref\n:link-alt: {deck.name}\n\n"
+        f"{_sentence(deck)}\n\n{_live(deck)}\n:::\n"
         for deck in group
     ]
-    grid = "::::{grid} 3 3 5 5\n:gutter: 2\n:class-container: thumbnails\n\n"
-    return f"## [{GROUPS[page][0]}]({page}.md)\n\n{grid}{''.join(cards)}::::\n"
+    grid = "::::{grid} 1 2 3 3\n:gutter: 3\n:class-container: machines\n\n"
+    return f"## {title}\n\n{grid}{''.join(cards)}::::\n"
+
+
+def _sentence(deck):
+    words = purpose(deck)
+    for analysis in ANALYSES:
+        words = words.removeprefix(analysis)
+    return f"{words[:1].upper()}{words[1:]}"
+
+
+def _live(deck):
+    return f'<a class="live" href="../live/{_name(deck)}.html">live</a>'
 
 
 def _name(deck):
@@ -77,9 +125,12 @@ def _name(deck):
 def _entry(deck, result, record):
     name = _name(deck)
     mechanism, curves = PICTURES / f"{name}.png", PICTURES / f"{name}-curves.png"
-    if not mechanism.exists() or mechanism.stat().st_mtime < max(map(_changed, (result, DRAWING))):
+    if not mechanism.exists() or mechanism.stat().st_mtime < max(map(_changed, (result, *DRAWING))):
         curves.unlink(missing_ok=True)
         draw(result, mechanism, curves)
+    page = LIVE / f"{name}.html"
+    if not page.exists() or page.stat().st_mtime < _changed(mechanism):
+        flexmb("report", result, "-q", "-o", page)
     with h5py.File(result) as file:
         numbers = key_numbers(file, record)
         if not curves.exists():
@@ -88,7 +139,7 @@ def _entry(deck, result, record):
     shown = [_image(mechanism, f"Mechanism of {deck.name}")]
     shown += [_image(curves, f"Curves of {deck.name}")] * curves.exists()
     return (
-        f"(gallery-{name})=\n\n## {deck.name}\n\n{purpose(deck)}\n\n"
+        f"(gallery-{name})=\n\n## {deck.name}\n\n{purpose(deck)} {_live(deck)}\n\n"
         f":::{{div}} pictures\n{''.join(shown)}:::\n\n"
         f"| key number | value |\n|---|---|\n{rows}\n"
     )

@@ -2,15 +2,18 @@
 
     python docs/_ext/pictures.py [--readme]
 
-`--readme` draws the two pictures of the README alone, which are kept in the repository.
+`--readme` draws those of the README and of the formats alone, which are kept in the repository.
 """
 
 import subprocess
 import sys
 from pathlib import Path
 
+import h5py
+from deck_picture import draw_mechanism
 from deck_runs import DOCS, RESULTS, TOP, digest, flexmb, program, solved
 from gallery import gallery
+from joint_drawings import main as joint_drawings
 
 PICTURES = DOCS / "pictures"
 REPRODUCTION = TOP / "scripts" / "reproduction"
@@ -28,6 +31,8 @@ FIGURES = [
     ("vsdf/pendulum.vsdf", ["point.1.position"], ["--width", "110"], "pendulum.svg"),
 ]
 
+# Machines beside their decks in the pages of the formats.
+MACHINES = ("young/IN4-BAR.dat", "dafms/sliding_mass.DAT", "vsdf/pendulum_ccx.vsdf")
 
 # Those of a study: the study, result, other options, file.
 STUDY_FIGURES = [("studies/rssr.toml", "path", ["--width", "85"], "study.png")]
@@ -74,6 +79,15 @@ def of_readme(folder: Path = PICTURES) -> None:
     flexmb("report", crank, "--movie", folder / "slider-crank.gif", *film, "-q")
     curves = ["body.2.position.x", "body.2.position.z"]
     flexmb("plot", ball, *curves, "--width", "120", "-q", "-o", folder / "ball.svg")
+    machines(folder / "machines")
+
+
+def machines(folder: Path) -> None:
+    """Draw the machines that stand beside their decks."""
+    folder.mkdir(exist_ok=True)
+    for deck, result in solved([TOP / "decks" / deck for deck in MACHINES]).items():
+        with h5py.File(result) as file:
+            draw_mechanism(file, folder / f"{deck.parent.name}.png")
 
 
 if __name__ == "__main__":
@@ -82,6 +96,7 @@ if __name__ == "__main__":
     if "--readme" in sys.argv:
         of_readme()
         sys.exit()
+    joint_drawings()
     figures()
     gallery()
     sources()

@@ -62,7 +62,7 @@ READ_ON = [
     "Read on:",
     "  man flexmb               the manual (checkout: man -l docs/man/flexmb.1)",
     "  flexmb examples --all    decks, and their formats (decks/DIALECT/FORMAT.md)",
-    "  docs/tutorial/index.md   lessons, in a checkout",
+    "  flexmb docs              lessons, how-to guides, reference, in a browser",
 ]
 
 
@@ -101,6 +101,7 @@ COMMANDS = {
     "new": "Ask for the data of a deck, number by number, and write a deck...",
     "beam": "Write the finite-element block of a beam to standard output.",
     "examples": "List the supplied decks, or copy those named, with the files...",
+    "docs": "Open the documentation, or a PAGE of it, in a browser; it...",
     "compile": "Compile all kernels now, so that no first run waits for them.",
 }
 

@@ -2,14 +2,12 @@
 
 import re
 import sys
-from itertools import combinations
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 from docutils import nodes
-from matplotlib.text import Text
 from PIL import Image
 
 TOP = Path(__file__).resolve().parents[2]
@@ -69,27 +67,22 @@ def test_a_body_that_turns_about_its_origin_has_curves(tmp_path):
     assert pictures_of == {"IN1-4-1": (True, True, True), "IN1-1-1": (False, True, False)}
 
 
-@pytest.mark.parametrize("name", ["young/dynamics/IN-ANDREWS.dat", "dafms/motor_gear.DAT"])
-def test_labels_of_axes_lie_beside_the_numbers_and_within_the_picture(name, tmp_path, monkeypatch):
-    """In the gallery "z [m]" lay on 0.000, and "x [m]" on -0.025."""
-    boxes = []
-    draw = Text.draw
+def test_the_index_of_the_gallery_has_every_deck_once_and_single_bodies_last():
+    sections = gallery.sections(DECKS)
+    listed = [deck for group in sections.values() for deck in group]
+    assert sorted(listed) == sorted(DECKS)
+    last = {deck.stem for deck in list(sections.values())[-1]}
+    assert last == {deck.stem for deck in DECKS if re.match(r"IN[12]-\d-\d", deck.stem)}
 
-    def draw_and_note(text, renderer):
-        draw(text, renderer)
-        if text.get_text() and text.get_visible():  # mplot3d places the numbers while it draws
-            boxes.append((text.get_text(), text.get_window_extent(renderer)))
 
-    monkeypatch.setattr(Text, "draw", draw_and_note)
-    solve(TOP / "decks" / name).save(tmp_path / "a.h5")
-    deck_picture.draw(tmp_path / "a.h5", tmp_path / "a.png", tmp_path / "curves.png")
-    width, height = 2.9 * deck_picture.DOTS, 2.5 * deck_picture.DOTS
-    boxes = boxes[: 1 + [text for text, _ in boxes].index("z [m]")]  # those of the curves follow
-    assert [text for text, _ in boxes if text[0] in "xyz"] == ["x [m]", "y [m]", "z [m]"]
-    assert [
-        text for text, box in boxes if box.x0 < 0 or box.y0 < 0 or box.x1 > width or box.y1 > height
-    ] == []
-    assert [(one, other) for (one, a), (other, b) in combinations(boxes, 2) if a.overlaps(b)] == []
+@pytest.mark.parametrize("deck", pictures.MACHINES)
+def test_a_format_shows_a_deck_of_the_folder_beside_its_machine(deck):
+    """The block is the file; the picture is that of its result, see below."""
+    file = TOP / "decks" / deck
+    text = (file.parent / "FORMAT.md").read_text(encoding="utf-8")
+    block = re.search(r'<div class="beside">\n\n```text\n(.*?)\n```', text, re.DOTALL)[1]
+    assert block == file.read_text(encoding="utf-8").rstrip("\n")
+    assert f"pictures/machines/{file.parent.name}.png" in text
 
 
 def test_file_names_may_break_behind_strokes_and_options_not_at_all():
@@ -130,10 +123,13 @@ def test_formulas_of_a_line_stand_in_parts_of_their_own():
     assert body[0].count("<math ") == 1
 
 
-def test_the_index_of_the_gallery_has_a_thumbnail_of_every_deck_of_a_page():
-    shown = gallery._thumbnails("vsdf", gallery.decks_of("vsdf"))
-    assert shown.count("{grid-item-card}") == len(gallery.decks_of("vsdf")) == 19
-    assert ":link: gallery-blade.vsdf\n" in shown and "pictures/gallery/blade.vsdf.png" in shown
+def test_a_card_of_the_gallery_has_picture_sentence_and_live_page():
+    (machines, *_) = gallery.sections(DECKS).items()
+    cards = gallery._cards(*machines).split("{grid-item-card} ")[1:]
+    assert len(cards) == len(machines[1])
+    assert "img-top: ../pictures/gallery/slider_crank_stress.vsdf.png" in cards[0]
+    assert 'href="../live/slider_crank_stress.vsdf.html"' in cards[0]
+    assert all(re.search(r"\n\n[A-Z].{15,}\.\n\n<a", card) for card in cards)
 
 
 @pytest.mark.parametrize(
@@ -203,6 +199,11 @@ def test_the_pictures_of_the_readme_are_those_of_the_script(tmp_path):
     assert [len(one) for one in drawn] == [len(one) for one in stored] and len(drawn) >= 2
     for new, old in zip(drawn, stored, strict=True):
         np.testing.assert_allclose(new, old, atol=0.1)
+    for name in {Path(deck).parent.name for deck in pictures.MACHINES}:
+        new, old = (
+            Image.open(folder / "machines" / f"{name}.png") for folder in (tmp_path, pictures.PICTURES)
+        )
+        assert np.abs(np.asarray(new, float) - np.asarray(old, float)).mean() < 1
     films = [Image.open(folder / "slider-crank.gif") for folder in (tmp_path, pictures.PICTURES)]
     assert films[0].n_frames == films[1].n_frames > 50 and films[0].size == films[1].size
     last = [np.asarray(film.convert("L"), float) for film in films if film.seek(60) is None]
