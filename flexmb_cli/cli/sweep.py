@@ -106,7 +106,7 @@ def _report_stop(
 def begun(
     notices: Notices, output: str, parts: str, options: dict[str, Any], begin: Callable[..., Any]
 ) -> Any:
-    """Return the study that `begin` opens; a wrong one is reported and ends the command."""
+    """Return the study that `begin` opens, after warnings about its deck; a wrong one ends the command."""
     from ..study.cluster import require_dask
     from ..study.sweep import StudyError
     from ..study.table import require_library
@@ -122,7 +122,10 @@ def begun(
             # The cases are kept beside the table: without this their folder would be made with all its
             # parents.
             refuse_unwritable(output, special=False)
-            return begin(notices.file, parts, options["fresh"], options["loop_tolerance"])
+            made = begin(notices.file, parts, options["fresh"], options["loop_tolerance"])
+            deck = os.path.join(os.path.dirname(notices.file), made.solver.study.deck)
+            notices.add_of_deck(made.solver.warnings(), made.solver.deck.source.lines, deck)
+            return made
     except StudyError as failure:
         say(compiler_style(failure.file, failure.faults, failure.lines))
     except DeckError as failure:

@@ -107,6 +107,7 @@ UNITS = {
     "kinematics": {
         "kinematics.continuation.follow": "Mechanism f2 f2 f1 f1 f3 f2",
         "kinematics.newton.evaluate_position": "Mechanism Newton f1 float f1",
+        "kinematics.newton.defects_of_rows": "Mechanism Newton f3 f1 int f1 f2",
         "kinematics.variants.follow_variants": "Mechanism i1 f3 f1 f1 float f1 f4 f3 b1",
     },
     "large_kinematics": {"kinematics.continuation.follow_sparse": "Mechanism SparseNewton f2 f2 f1 f1 f3 f2"},

@@ -6,20 +6,21 @@ ends with the same numbers.
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from ..errors import ANALYSIS_FAILED, AnalysisError, Fault, OutputError
+from ..errors import ANALYSIS_FAILED, DONE, AnalysisError, Fault, OutputError
 from ..run.outcome import Stop
+from ..solvers.linearisation.motion import differentiated
 from ..version import __version__
 from .checkpoints import Parts, RecordForm, StudyLock
 from .fit_file import Fit, Target, read_fit
 from .fit_search import Search, confidence
-from .fit_variants import Variant, curve_of, reached
-from .fit_workers import FitJob, Processes, Solve, solver_of, solving_here
-from .solver import CaseResult
+from .fit_variants import DIFFERENCE, LEAST_SHARE, Variant, curve_of, reached
+from .fit_workers import FitJob, Processes, Solve, Task, solver_of, solving_here
+from .solver import CaseResult, CaseSolver
 from .study import Cases
 from .sweep import readable_deck, reported_at, study_text
 from .table import Column, TableHead, write_table
@@ -46,7 +47,8 @@ class Number:
 class FitRun:
     """A fit ready to be searched.  Raises DeckError if study or deck cannot be read.
 
-    `advance` is called for each variant that is solved; `known`: variants by values of the unknown numbers.
+    `advance` is called for each variant that is solved; `known`: variants by values of the unknown numbers;
+    `columns`: their derivatives by one of these, those of the values of their cases.
     """
 
     job: FitJob
@@ -55,6 +57,7 @@ class FitRun:
     lock: StudyLock
     advance: Callable[[int], None] = lambda count: None
     known: dict[bytes, Variant] = field(default_factory=dict)
+    columns: dict[tuple[bytes, int], np.ndarray] = field(default_factory=dict)
     kept: int = 0
     solve: Solve | None = None
     search: Search = field(init=False)
@@ -85,6 +88,8 @@ class FitRun:
         run = cls(job, text, parts, lock)
         for case in parts.stored(0, range(MOST_VARIANTS)) if restored else ():
             run._note(case)
+        for case in parts.stored(1, range(MOST_VARIANTS)) if restored else ():
+            run._note_derivatives(case)
         run.kept = len(run.known)
         return run
 
@@ -97,6 +102,11 @@ class FitRun:
         return np.array([row[k] for k in self._places], dtype=float).tobytes()
 
     @property
+    def solver(self) -> CaseSolver:
+        """Return what solves variants in this process."""
+        return solver_of(self.job).cases
+
+    @property
     def _places(self) -> list[int]:
         return [k for k, item in enumerate(self.job.fit.study.parameters) if len(item.values) > 1]
 
@@ -104,7 +114,7 @@ class FitRun:
         """Search here, in `jobs` processes, or by `solve`; raises AnalysisError if nothing can be solved."""
         processes = Processes(self.job, jobs) if jobs > 1 and not solve else None
         self.solve = solve or processes or solving_here(self.job)
-        self.search = Search(self.job.fit, self.evaluate)
+        self.search = Search(self.job.fit, self.evaluate, self.jacobian)
         try:
             self.search.run(self._starts())
         finally:
@@ -125,15 +135,55 @@ class FitRun:
         keys = [self._key(row) for row in rows]
         new = {key: row for key, row in zip(keys, rows, strict=True) if key not in self.known}
         if new:
-            assert self.solve is not None, "a search is under way"
-            first, wanted = len(self.known), [tuple(row.tolist()) for row in new.values()]
-            with self.parts.block(0, range(first)) as part:
-                for case in self.solve(first, wanted):
-                    part.append([case])
-                    self._note(case)
-                    self.advance(1)
-                    Stop.raise_if_asked()
+            tasks: list[Task] = [(tuple(row.tolist()), None) for row in new.values()]
+            self._solve(0, len(self.known), tasks, self._note)
         return [self.known[key] for key in keys]
+
+    def _solve(self, block: int, first: int, tasks: list[Task], note: Callable[[CaseResult], Any]) -> None:
+        assert self.solve is not None, "a search is under way"
+        with self.parts.block(block, range(first)) as part:
+            for case in self.solve(first, tasks):
+                part.append([case])
+                note(case)
+                self.advance(1)
+                Stop.raise_if_asked()
+
+    def _note_derivatives(self, case: CaseResult) -> None:
+        # Those of a variant come one after the other.
+        self.columns[self._key(case.parameters), case.case % len(self._places)] = case.values
+
+    def jacobian(self, place: np.ndarray) -> np.ndarray:
+        """Return the derivatives of a variant's responses by the places (n,) of its unknown numbers."""
+        [variant], row = self.evaluate(place[None]), self.row_at(place)
+        key = self._key(row)
+        missing = [k for k in range(len(place)) if (key, k) not in self.columns]
+        if missing and variant.case.exit_code == DONE:
+            tasks: list[Task] = [(tuple(row.tolist()), self._places[k]) for k in missing]
+            self._solve(1, len(self.columns), tasks, self._note_derivatives)
+        columns = [self._of_responses(variant, row, k) * self._rate(k, row) for k in range(len(place))]
+        return np.column_stack(columns)
+
+    def _of_responses(self, variant: Variant, row: np.ndarray, k: int) -> np.ndarray:
+        """Return the derivatives by unknown number k, 0 if the variant could not be solved."""
+        if variant.case.exit_code != DONE:
+            return np.zeros(variant.responses.shape)
+        slope, place, solver = self.columns[self._key(row), k], self._places[k], solver_of(self.job)
+
+        def responses(change: float) -> np.ndarray:
+            parameters = self.job.fit.study.complete([x + change * (j == place) for j, x in enumerate(row)])
+            values = variant.case.values + change * slope
+            case = replace(variant.case, parameters=np.array(parameters, dtype=float), values=values)
+            return solver.variant(case).responses
+
+        step = DIFFERENCE * max(abs(row[place]), abs(self._rate(k, row)) * LEAST_SHARE)
+        derivatives: np.ndarray = differentiated(responses, step)
+        return np.asarray(np.nan_to_num(derivatives))
+
+    def _rate(self, k: int, row: np.ndarray) -> float:
+        """Return the derivative of unknown number k by its place in the unit cube."""
+        item = self.job.fit.unknown[k]
+        low, high = item.values
+        return float(row[self._places[k]] * np.log(high / low) if item.logarithmic else high - low)
 
     def row_at(self, place: np.ndarray) -> np.ndarray:
         """Return the values of all parameters at a place of the unit cube; those by formulas are nan."""
@@ -181,21 +231,20 @@ class FitRun:
         assert self.search.best is not None, "a search has ended"
         place, variant = self.search.best
         free = (place > AT_BOUND) & (place < 1.0 - AT_BOUND)
-        jacobian = self.search.jacobian(place) if self.job.fit.targets else np.zeros((0, len(place)))
+        jacobian = self.jacobian(place) if self.job.fit.targets else np.zeros((0, len(place)))
         errors, factor = confidence(jacobian, variant.residuals, free)
         units = {name: unit for name, unit, _ in self.parameter_units()}
         numbers = []
         for k, item in enumerate(self.job.fit.unknown):
             value = float(variant.case.parameters[self._places[k]])
-            low, high = item.values
-            error = errors[k] * (value * abs(np.log(high / low)) if item.logarithmic else abs(high - low))
+            error = errors[k] * abs(self._rate(k, variant.case.parameters))
             ends = value - factor * error, value + factor * error
             numbers.append(Number(item.name, units[item.name], value, error, *ends, not free[k]))
         return numbers
 
     def parameter_units(self) -> Iterator[tuple[str, str, str]]:
         """Yield the parameters with their units and meanings."""
-        deck = solver_of(self.job).cases.deck
+        deck = self.solver.deck
         known = dict(deck.numbers()) | dict(deck.variables)
         for item in self.job.fit.study.parameters:
             number = known.get(item.name)

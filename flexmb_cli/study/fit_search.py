@@ -6,7 +6,7 @@ Variants that cannot be solved are no errors: steps to them are not taken.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,9 +14,6 @@ import numpy as np
 from .fit_file import EQUAL, EVOLUTION, LEAST_SQUARES, TRUST, Fit
 from .fit_variants import Variant
 
-# Of the range of an unknown number: central differences then have errors of 1e-8 or so, or 1e-5 of motions
-# that are integrated with 1e-9.
-DIFFERENCE = 1e-4
 FEASIBLE = 1e-8  # violation that counts as none
 WORST = 1e12  # cost of a variant whose violation is 0, for differential evolution
 LEAST_CHANGE = 1e-13  # relative change at which a search ends
@@ -24,14 +21,16 @@ LEAST_CHANGE = 1e-13  # relative change at which a search ends
 
 @dataclass
 class Search:
-    """`evaluate`: returns the variants at places (k, n) of the unit cube.  `best`: so far, with its place."""
+    """`evaluate`: returns the variants at places (k, n) of the unit cube; `jacobian`: the derivatives
+    (responses, n) at one of them.  `best`: so far, with its place.
+    """
 
     fit: Fit
     evaluate: Callable[[np.ndarray], Sequence[Variant]]
+    jacobian: Callable[[np.ndarray], np.ndarray]
     best: tuple[np.ndarray, Variant] | None = None
     message: str = ""
     success: bool = False
-    jacobians: dict[bytes, np.ndarray] = field(default_factory=dict)
 
     def run(self, starts: np.ndarray) -> None:
         """Search from `starts` (s, n), of which the best `restarts` and the first are taken."""
@@ -61,21 +60,6 @@ class Search:
         order = sorted(range(1, len(starts)), key=lambda k: rank(variants[k]))
         chosen = [0, *order][: self.fit.restarts + 1]
         return [starts[k] for k in chosen if np.isfinite(variants[k].cost)]
-
-    def jacobian(self, place: np.ndarray) -> np.ndarray:
-        """Return the derivatives (responses, n) at a place, by differences of variants on both sides.
-
-        At a bound, and beside a variant that cannot be solved, it is the difference to the place itself.
-        """
-        key = place.tobytes()
-        if key not in self.jacobians:
-            n = len(place)
-            steps = np.vstack([np.eye(n), -np.eye(n)]) * DIFFERENCE
-            places = np.vstack([np.clip(place + steps, 0.0, 1.0), place])
-            variants = self.evaluate(places)
-            responses = np.array([variant.responses for variant in variants])
-            self.jacobians = {key: _differences(places, responses)}
-        return self.jacobians[key]
 
     def _descend(self, place: np.ndarray) -> tuple[bool, str]:
         if self.fit.targets and not self.fit.constraints and self.fit.method in (LEAST_SQUARES, EVOLUTION):
@@ -179,19 +163,6 @@ def rank(variant: Variant) -> tuple[float, float]:
     """Return an order of variants: what is violated, then the cost."""
     cost = variant.cost if np.isfinite(variant.cost) else np.inf
     return (0.0 if _feasible(variant) else variant.violation), cost
-
-
-def _differences(places: np.ndarray, responses: np.ndarray) -> np.ndarray:
-    """Return derivatives by places above, below (n each) and at (1) a place."""
-    n = places.shape[1]
-    columns = []
-    for k in range(n):
-        sound = [j for j in (k, n + k, 2 * n) if np.all(np.isfinite(responses[j]))]
-        first, last = (sound[0], sound[1]) if len(sound) > 1 else (k, k)
-        width = places[first, k] - places[last, k]
-        change = responses[first] - responses[last]
-        columns.append(change / width if width else np.zeros(responses.shape[1]))
-    return np.column_stack(columns)
 
 
 def confidence(jacobian: np.ndarray, residuals: np.ndarray, free: np.ndarray) -> tuple[np.ndarray, float]:

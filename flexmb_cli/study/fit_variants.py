@@ -7,13 +7,18 @@ from typing import Any
 import numpy as np
 
 from ..deck.record import Deck
-from ..errors import ANALYSIS_FAILED, DONE
+from ..errors import ANALYSIS_FAILED, DONE, FlexmbError
 from ..run.outcome import RunOptions
+from ..run.solutions import Solution
+from ..solvers.linearisation.motion import differentiated
 from .continuous import nearest, spline
 from .fit_file import AT_LEAST, EQUAL, Fit, Target
+from .sensitivity import OfRun, type_of
 from .solver import NO_SERIES, CaseResult, CaseSolver
 
 SAMPLES_A_ROW = 4  # of a path between two report rows
+LEAST_SHARE = 0.01  # of the range of a number: its size if its value is less
+DIFFERENCE = 1e-4  # of the size of a number
 
 
 @dataclass(frozen=True)
@@ -37,12 +42,50 @@ class Variant:
         return np.concatenate([head, self.excess])
 
 
+class RepeatedMotion:
+    """A motion whose neighbours repeat its steps: `columns` (rows, k) of what is taken of it, and modes.
+
+    Raises FlexmbError.
+    """
+
+    def __init__(self, cases: CaseSolver, row: list[float]):
+        self.cases, self.row = cases, list(row)
+        self.time: np.ndarray = np.zeros(0)
+        self.columns: np.ndarray = np.zeros((0, 0))
+        self._run: OfRun | None = None
+        if cases.moving:
+            solution = cases.prepared(self._changed(0, 0.0))
+            self._run = type_of(solution)(self._neighbour, cases.moving, solution)
+            self._run.one_neighbour = True
+            self.time, self.columns = self._run.time, self._run.values
+        self.modes = self._modes(0, 0.0)
+
+    def _changed(self, k: int | str, change: float) -> list[float | int]:
+        changed = [value + change * (j == int(k)) for j, value in enumerate(self.row)]
+        return self.cases.study.complete(changed)
+
+    def _neighbour(self, k: str, change: float) -> Solution:
+        return self.cases.prepared(self._changed(k, change))
+
+    def _modes(self, k: int, change: float) -> np.ndarray:
+        return self.cases.modes(self._changed(k, change))
+
+    def derivatives(self, k: int, scale: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return those of `columns` and of `modes` by parameter k, whose size is `scale`."""
+        columns = self._run.derivative(str(k), scale) if self._run else self.columns
+        if not self.modes.size:
+            return columns, self.modes
+        h = DIFFERENCE * scale
+        return columns, (self._modes(k, h) - self._modes(k, -h)) / (2.0 * h)
+
+
 class VariantSolver:
     """Solves variants of a deck, and reduces their series to residuals."""
 
     def __init__(self, deck: Deck, fit: Fit, folder: str, options: RunOptions):
         self.fit = fit
         self.cases = CaseSolver(deck, fit.study, folder, options)
+        self._motion: RepeatedMotion | None = None
         self.names = [item.name for item in fit.study.results if item not in fit.numbers]
 
     @property
@@ -62,12 +105,58 @@ class VariantSolver:
         code, message = full.exit_code, full.message
         if code == DONE:
             try:
-                parts = [self.residuals_of(target, full) for target in self.fit.targets]
-                residuals = np.concatenate([*parts, np.zeros(0)])
+                residuals = self._residuals(full)
             except (ValueError, np.linalg.LinAlgError) as fault:
                 code, message = ANALYSIS_FAILED, f"the targets cannot be compared: {fault}"
         values = np.concatenate([full.values, residuals])
         return CaseResult(number, code, full.rows, full.parameters, values, NO_SERIES, message)
+
+    def derivative(self, number: int, row: list[float], k: int) -> CaseResult:
+        """Return the derivatives of the values that `solve` returns, by parameter k, an unknown number.
+
+        They are those of `sensitivity`, or if the run cannot be repeated (a number that changes the report
+        times, a bound beyond which there is no motion), differences of two variants.
+        """
+        low, high = sorted(self.fit.study.parameters[k].values)
+        scale = max(abs(row[k]), LEAST_SHARE * (high - low))
+        try:
+            # A number by a formula is nan.
+            if self._motion is None or not np.array_equal(self._motion.row, row, equal_nan=True):
+                self._motion = None  # whose memory is free before
+                self._motion = RepeatedMotion(self.cases, row)
+            derivatives = self._along(self._motion, k, scale)
+        except (FlexmbError, ValueError, np.linalg.LinAlgError):
+            derivatives = self._difference(row, k, DIFFERENCE * scale)
+        parameters = np.array(self.fit.study.complete(list(row)), dtype=float)
+        return CaseResult(number, DONE, 0, parameters, derivatives, NO_SERIES)
+
+    def _along(self, motion: RepeatedMotion, k: int, scale: float) -> np.ndarray:
+        """Return the derivatives of what is taken of a motion and its modes, along those of these."""
+        slopes, of_modes = motion.derivatives(k, scale)
+
+        def values(change: float) -> np.ndarray:
+            parts = motion.columns + change * slopes, motion.modes + change * of_modes
+            case = self.cases.taken_of(motion.row, motion.time, *parts)
+            return np.concatenate([case.values, self._residuals(case)])
+
+        derivatives: np.ndarray = differentiated(values, DIFFERENCE * scale)
+        return derivatives
+
+    def _difference(self, row: list[float], k: int, step: float) -> np.ndarray:
+        """Return the difference of variants on both sides, or of one and the place itself.
+
+        They are 0 if fewer than two can be solved: the search turns to other numbers then.
+        """
+        low, high = sorted(self.fit.study.parameters[k].values)
+        solved: list[tuple[float, np.ndarray]] = []
+        for value in (min(row[k] + step, high), max(row[k] - step, low), row[k]):
+            case = self.solve(0, [value if j == k else each for j, each in enumerate(row)])
+            if case.exit_code == DONE and value not in (each for each, _ in solved):
+                solved.append((value, case.values))
+            if len(solved) == 2:
+                (first, upper), (last, lower) = solved
+                return (upper - lower) / (first - last)
+        return np.zeros(len(self.fit.numbers) + self.residuals)
 
     def solve_in_full(self, number: int, row: list[float]) -> CaseResult:
         """Return the case of these parameters with its series."""
@@ -77,7 +166,10 @@ class VariantSolver:
         """Return the series of a case by the names of their quantities."""
         return dict(zip(self.names, case.series, strict=True))
 
-    def residuals_of(self, target: Target, case: CaseResult) -> np.ndarray:
+    def _residuals(self, case: CaseResult) -> np.ndarray:
+        return np.concatenate([*(self._residuals_of(target, case) for target in self.fit.targets), ()])
+
+    def _residuals_of(self, target: Target, case: CaseResult) -> np.ndarray:
         """Return the residuals of a target, (points, quantities) one after the other, weighted."""
         if target.result:
             numbers = [item.name for item in self.fit.numbers]

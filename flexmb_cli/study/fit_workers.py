@@ -19,8 +19,9 @@ from .solver import CaseResult
 from .sweep import MOST_DEATHS
 from .workers import BEGUN, WorkersError
 
-Row = tuple[float, ...]  # values of the parameters
-Solve = Callable[[int, list[Row]], Iterator[CaseResult]]  # number of the first, and the rows
+# Values of the parameters, and the one by which the variant is differentiated, or None.
+Task = tuple[tuple[float, ...], int | None]
+Solve = Callable[[int, list[Task]], Iterator[CaseResult]]  # number of the first, and the tasks
 
 
 @dataclass(frozen=True)
@@ -40,14 +41,16 @@ def solver_of(job: FitJob) -> VariantSolver:
     return VariantSolver(deck, job.fit, job.deck_folder, RunOptions(loop_tolerance=job.loop_tolerance))
 
 
-def solve_variant(job: FitJob, number: int, row: Row) -> CaseResult:
-    """Return the case of a variant."""
-    return solver_of(job).solve(number, list(row))
+def solve_task(job: FitJob, number: int, task: Task) -> CaseResult:
+    """Return the case of a variant, or its derivatives in the place of values."""
+    row, k = task
+    solver = solver_of(job)
+    return solver.solve(number, list(row)) if k is None else solver.derivative(number, list(row), k)
 
 
 def solving_here(job: FitJob) -> Solve:
-    """Return the solution of rows in this process."""
-    return lambda first, rows: (solve_variant(job, first + k, row) for k, row in enumerate(rows))
+    """Return the solution of tasks in this process."""
+    return lambda first, tasks: (solve_task(job, first + k, task) for k, task in enumerate(tasks))
 
 
 class Processes:
@@ -68,24 +71,24 @@ class Processes:
             raise WorkersError(message, id="STUDY-134") from fault
         return worker
 
-    def __call__(self, first: int, rows: list[Row]) -> Iterator[CaseResult]:
-        """Yield the cases of `rows` in their order."""
-        waiting, deaths = deque(range(len(rows))), Counter[int]()
+    def __call__(self, first: int, tasks: list[Task]) -> Iterator[CaseResult]:
+        """Yield the cases of `tasks` in their order."""
+        waiting, deaths = deque(range(len(tasks))), Counter[int]()
         done: dict[int, CaseResult] = {}
-        for k in range(len(rows)):
+        for k in range(len(tasks)):
             while k not in done:
-                self._hand_out(first, rows, waiting)
+                self._hand_out(first, tasks, waiting)
                 for worker in having_answers(self.busy):
-                    self._hear(worker, first, rows, (waiting, deaths, done))
+                    self._hear(worker, first, tasks, (waiting, deaths, done))
             yield done.pop(k)
 
-    def _hand_out(self, first: int, rows: list[Row], waiting: deque[int]) -> None:
+    def _hand_out(self, first: int, tasks: list[Task], waiting: deque[int]) -> None:
         for worker, at in self.busy.items():
             if at is None and waiting:
                 self.busy[worker] = k = waiting.popleft()
-                worker.send((first + k, rows[k]))
+                worker.send((first + k, tasks[k]))
 
-    def _hear(self, worker: Worker, first: int, rows: list[Row], progress: Any) -> None:
+    def _hear(self, worker: Worker, first: int, tasks: list[Task], progress: Any) -> None:
         waiting, deaths, done = progress
         answer, at = worker.answer(), self.busy[worker]
         if isinstance(answer, BaseException):
@@ -105,7 +108,7 @@ class Processes:
                         f"{message}: killed, or out of memory; -j 1 needs none", id="STUDY-135"
                     )
                 message = f"the process that solved this variant ended {MOST_DEATHS} times"
-                done[at] = unsolved(self.job, first + at, rows[at], message)
+                done[at] = unsolved(self.job, first + at, tasks[at], message)
             elif at >= 0:
                 waiting.appendleft(at)
 
@@ -115,13 +118,13 @@ class Processes:
             worker.kill()
 
 
-def unsolved(job: FitJob, number: int, row: Row, message: str) -> CaseResult:
+def unsolved(job: FitJob, number: int, task: Task, message: str) -> CaseResult:
     """Return the case of a variant of which nothing is known but that it failed."""
     import numpy as np
 
     solver = solver_of(job)
     values = np.full(len(job.fit.numbers) + solver.residuals, np.nan)
-    parameters = np.array(job.fit.study.complete(list(row)), dtype=float)
+    parameters = np.array(job.fit.study.complete(list(task[0])), dtype=float)
     return CaseResult(number, INTERNAL_FAULT, 0, parameters, values, np.zeros((0, 0)), message)
 
 
@@ -132,21 +135,21 @@ def _serve(line: Any, job: FitJob) -> None:
     reason = why_unable()
     line.send(RuntimeError(reason) if reason else BEGUN)
     while True:
-        number, row = line.recv()
+        number, task = line.recv()
         try:
-            answer: Any = solve_variant(job, number, row)
+            answer: Any = solve_task(job, number, task)
         except Exception as fault:
             answer = portable(fault)
         line.send(answer)
 
 
 def solving_on(client: Any, job: FitJob) -> Solve:
-    """Return the solution of rows by the workers of a Dask client; raises ClusterError."""
+    """Return the solution of tasks by the workers of a Dask client; raises ClusterError."""
     from .cluster import ClusterError
 
-    def solve(first: int, rows: list[Row]) -> Iterator[CaseResult]:
+    def solve(first: int, tasks: list[Task]) -> Iterator[CaseResult]:
         futures = [
-            client.submit(_solve_remote, job, first + k, row, pure=False) for k, row in enumerate(rows)
+            client.submit(_solve_remote, job, first + k, task, pure=False) for k, task in enumerate(tasks)
         ]
         for future in futures:
             version, case = future.result()
@@ -158,5 +161,5 @@ def solving_on(client: Any, job: FitJob) -> Solve:
     return solve
 
 
-def _solve_remote(job: FitJob, number: int, row: Row) -> tuple[str, CaseResult]:
-    return __version__, solve_variant(job, number, row)
+def _solve_remote(job: FitJob, number: int, task: Task) -> tuple[str, CaseResult]:
+    return __version__, solve_task(job, number, task)

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from ..deck.record import Number
 from ..errors import AnalysisError, Fault, ModelError
 from ..results.quantities.quantities import Quantity
 from ..run.mechanism_modes import Wish
@@ -28,21 +27,21 @@ def is_mode(name: str) -> bool:
 class ModeQuantities:
     """Frequencies and damping at the start, at the time `at`, s, or at the equilibrium: one row.
 
-    model(change) returns the model after a change NAME=VALUE and its run.  Raises FlexmbError.
+    model(name, change) returns the model with a number larger by a change, and its run.  Raises FlexmbError.
     """
 
     def __init__(
         self, model: Callable[..., tuple[Any, Run]], of: Sequence[str], equilibrium: bool, at: float | None
     ):
         self.model, self.wish = model, Wish(at, equilibrium)
-        self.eigenvalues, time = self._eigenvalues("")
+        self.eigenvalues, time = self._eigenvalues()
         self.time = np.array([time])
         self.quantities = [self._quantity(name) for name in of]
         self.values = self._columns(self.eigenvalues)
 
-    def _eigenvalues(self, change: str) -> tuple[np.ndarray, float]:
+    def _eigenvalues(self, *change: Any) -> tuple[np.ndarray, float]:
         """Return those (k,) of the modes that oscillate, slowest first, 1/s, and the time."""
-        model, run = self.model(change)
+        model, run = self.model(*change)
         analysis = analysis_of(model)
         if analysis not in MODES or (analysis == "dynamic" and model.analysis != "forward"):
             message = "modes need masses and a free motion; drivers prescribe this one"
@@ -77,11 +76,11 @@ class ModeQuantities:
         }
         return np.array([[of[one.dataset][one.index[0]] for one in self.quantities]])
 
-    def derivative(self, name: str, number: Number, scale: float) -> np.ndarray:
+    def derivative(self, name: str, scale: float) -> np.ndarray:
         """Return the derivatives (1, of) by a number whose size is `scale`.  Raises FlexmbError."""
 
         def values(change: float) -> np.ndarray:
-            found, _ = self._eigenvalues(f"{name}={float(number.value) + change!r}")
+            found, _ = self._eigenvalues(name, change)
             return self._columns(self._in_order(found))
 
         found: np.ndarray = differentiated(values, STEP * scale)

@@ -33,9 +33,9 @@ from ..solvers.linearisation.motion import STENCIL, differentiated, sum_of_pairs
 from ..solvers.step_sequence import StepSequence
 from .mode_quantities import ModeQuantities, is_mode
 
-# Of a number: steps of differences between two motions by the same steps, whose only noise is round-off, of
-# those between four, whose iterations leave some more, and of those of smooth functions.
-OF_EXPLICIT, OF_IMPLICIT, OF_EQUILIBRIUM, OF_KINEMATICS = 3e-6, 1e-4, 1e-3, 2e-4
+# Of a number: steps of differences between motions by the same steps, whose only noise is round-off, on one
+# side and on both; of those by implicit methods, whose iterations leave some more; of smooth functions.
+OF_ONE_SIDE, OF_EXPLICIT, OF_IMPLICIT, OF_EQUILIBRIUM, OF_KINEMATICS = 1e-7, 3e-6, 1e-4, 1e-3, 2e-4
 LEAST_SHARE = 0.01  # of the largest length: shorter ones are zeros that were measured or rounded
 LEAST_SIZE = {"rad": 0.3, "rad or m": 0.1, "-": 0.1, "": 0.1}  # of angles and pure numbers
 OF_ZERO = 0.1  # of the middle one of the numbers in the same unit
@@ -112,15 +112,20 @@ def sensitivity(
     if of_modes and len(of_modes) < len(of):
         message = "frequencies and damping are of one state, other quantities of a run: ask for them apart"
         raise ModelError([Fault("error", message, id="RUN-160")])
-    neighbours = _Neighbours(deck, options, listener or Listener())
+    neighbours = _Neighbours(deck, options, numbers, listener or Listener())
     if of_modes:
         solver: Any = ModeQuantities(neighbours.model, of, equilibrium, at)
     elif at is not None:
         message = "a time is for frequencies and damping: other quantities have a row at each report time"
         raise ModelError([Fault("error", message, id="RUN-161")])
     else:
-        solver = _of_run(neighbours, of, equilibrium)
-    columns = [solver.derivative(name, number, _scale(deck, number)) for name, number in numbers.items()]
+        solution = neighbours.solution()
+        quantities = _quantities(neighbours, solution, of)
+        solver = (OfEquilibrium if equilibrium else type_of(solution))(
+            neighbours.solution, quantities, solution
+        )
+        neighbours.faults += solution.warnings
+    columns = [solver.derivative(name, _scale(deck, number)) for name, number in numbers.items()]
     warnings = (*deck.warnings, *neighbours.faults)
     return Sensitivity(
         deck, solver.time, tuple(solver.quantities), numbers, solver.values, np.stack(columns, axis=2),
@@ -160,6 +165,7 @@ class _Neighbours:
 
     deck: OpenDeck
     options: RunOptions
+    numbers: Mapping[str, Number]
     listener: Listener
 
     def __post_init__(self) -> None:
@@ -170,41 +176,43 @@ class _Neighbours:
         """Return a run whose outcome nobody reads."""
         return Run(Outcome(self.deck.path), self.options, self.listener)
 
-    def model(self, change: str = "") -> tuple[Any, Run]:
-        """Return the model after a change NAME=VALUE, and its run.  Raises FlexmbError."""
-        deck, run = self._settable.with_settings([change] if change else []), self.run()
+    def model(self, name: str = "", change: float = 0.0) -> tuple[Any, Run]:
+        """Return the model with a number larger by a change, and its run.  Raises FlexmbError."""
+        value = float(self.numbers[name].value) + float(change) if name else 0.0
+        deck, run = self._settable.with_settings([f"{name}={value!r}"] if name else []), self.run()
         refuse_foreign_method(deck, self.options)
         model = model_of(deck, run)
         refuse_releases(getattr(model, "elements", None), "sensitivity")
-        if not change:
+        if not name:
             self.faults += run.outcome.faults
         return model, run
 
-    def solution(self, change: str = "") -> Solution:
-        """Return the run after a change, ready to be solved.  Raises FlexmbError."""
-        model, run = self.model(change)
+    def solution(self, name: str = "", change: float = 0.0) -> Solution:
+        """Return the run with a number larger by a change, ready to be solved.  Raises FlexmbError."""
+        model, run = self.model(name, change)
         solution = with_outputs(solution_of(model, run), self.deck.deck)
-        if not change:
+        if not name:
             self.faults += solution.model_warnings()
         return solution
 
 
-def changed(name: str, number: Number, change: float) -> str:
-    """Return the setting that adds a change to a number."""
-    return f"{name}={float(number.value) + float(change)!r}"
+class OfRun:
+    """Quantities of a run whose motion is integrated: `values` (rows, of) at the times `time`, s.
 
+    neighbour(name, change): the run with a number larger by a change, ready to be solved.
+    `one_neighbour`: whether one run, of implicit methods two, are enough, which leaves errors of 1e-7.
+    """
 
-class _OfRun:
-    """Quantities of a run whose motion is integrated, or at rest in its equilibrium."""
+    one_neighbour = False
 
-    def __init__(self, neighbours: _Neighbours, of: Sequence[str], solution: Solution):
-        self.neighbours, self.solution = neighbours, solution
-        self.quantities = _quantities(neighbours, solution, of)
+    def __init__(
+        self, neighbour: Callable[[str, float], Solution], of: Sequence[Quantity], solution: Solution
+    ):
+        self.neighbour, self.solution, self.quantities = neighbour, solution, of
         self.steps = StepSequence()
         self.blocks = list(self._blocks(solution, self.steps))
         self.time = np.concatenate([block["time"] for block in self.blocks])
         self.values = self.columns(self.blocks)
-        neighbours.faults += solution.warnings
 
     def _blocks(self, solution: Solution, steps: StepSequence) -> Iterator[Mapping[str, np.ndarray]]:
         if hasattr(solution.analysis, "step_sequence"):
@@ -219,23 +227,23 @@ class _OfRun:
             [np.column_stack([block[path][place] for path, place in named]) for block in blocks]
         )
 
-    def derivative(self, name: str, number: Number, scale: float) -> np.ndarray:
+    def derivative(self, name: str, scale: float) -> np.ndarray:
         """Return the derivatives (rows, of) by a number whose size is `scale`.  Raises FlexmbError."""
 
         def values(change: float) -> np.ndarray:
-            return self._changed_values(name, number, change)
+            return self._changed_values(name, change)
 
-        h = OF_EXPLICIT * scale
+        h = (OF_EXPLICIT if self._is_explicit else OF_IMPLICIT) * scale
         try:
-            if not self._is_explicit:
-                found: np.ndarray = differentiated(values, OF_IMPLICIT * scale)
-                return found
+            if self.one_neighbour and self._is_explicit:
+                return np.asarray((values(OF_ONE_SIDE * scale) - self.values) / (OF_ONE_SIDE * scale))
+            if not (self._is_explicit or self.one_neighbour):
+                return np.asarray(differentiated(values, h))
             below = values(-h)
         except FlexmbError:  # of a number at the end of its range, or a motion that locks
             return _one_sided(values, h, self.values)
         try:
-            central: np.ndarray = (values(h) - below) / (2.0 * h)
-            return central
+            return np.asarray((values(h) - below) / (2.0 * h))
         except FlexmbError:
             return _one_sided(values, -h, self.values)
 
@@ -247,13 +255,13 @@ class _OfRun:
             return not analysis.integrator.type.implicit
         return bool(analysis.tree.integration.method == "dop853") if hasattr(analysis, "tree") else False
 
-    def _changed_values(self, name: str, number: Number, change: float) -> np.ndarray:
-        solution = self.neighbours.solution(changed(name, number, change))
+    def _changed_values(self, name: str, change: float) -> np.ndarray:
+        solution = self.neighbour(name, change)
         blocks = list(self._blocks(solution, StepSequence(self.steps)))
         times = np.concatenate([block["time"] for block in blocks])
         if not np.array_equal(times, self.time):
             message = f"{name} changes the report times, at which the values are compared; leave it out"
-            raise ModelError([Fault("error", message, number.place, about=name, id="RUN-164")])
+            raise ModelError([Fault("error", message, about=name, id="RUN-164")])
         return self.columns(blocks)
 
 
@@ -263,7 +271,7 @@ def _one_sided(values: Values, h: float, here: np.ndarray) -> np.ndarray:
     return found
 
 
-class _OfEquilibrium(_OfRun):
+class OfEquilibrium(OfRun):
     """Quantities in the equilibrium: those of the first row of a run that begins there."""
 
     def _blocks(self, solution: Solution, steps: StepSequence) -> Iterator[Mapping[str, np.ndarray]]:
@@ -271,27 +279,25 @@ class _OfEquilibrium(_OfRun):
             yield {path: values[:1] for path, values in block.items()}
             return
 
-    def derivative(self, name: str, number: Number, scale: float) -> np.ndarray:
+    def derivative(self, name: str, scale: float) -> np.ndarray:
         """Return the derivatives (1, of) by a number whose size is `scale`.  Raises FlexmbError."""
         found: np.ndarray = differentiated(
-            lambda change: self._changed_values(name, number, change), OF_EQUILIBRIUM * scale
+            lambda change: self._changed_values(name, change), OF_EQUILIBRIUM * scale
         )
         return found
 
 
-class _OfKinematics(_OfRun):
+class OfKinematics(OfRun):
     """Quantities of a motion that drivers prescribe, and of its forces: differentiated directly."""
 
-    def derivative(self, name: str, number: Number, scale: float) -> np.ndarray:
+    def derivative(self, name: str, scale: float) -> np.ndarray:
         """Return the derivatives (rows, of) by a number whose size is `scale`.  Raises FlexmbError."""
         h = OF_KINEMATICS * scale
         try:
-            neighbours = {
-                place: self.neighbours.solution(changed(name, number, place * h)) for place, _ in STENCIL
-            }
+            neighbours = {place: self.neighbour(name, place * h) for place, _ in STENCIL}
             return self._along(neighbours, h)
         except (ForkedEquations, FlexmbError):
-            return super().derivative(name, number, scale)
+            return super().derivative(name, scale)
 
     def _along(self, neighbours: Mapping[float, Solution], h: float) -> np.ndarray:
         """Return the derivatives from `neighbours`, with a number larger by each place of STENCIL times h."""
@@ -331,11 +337,9 @@ def _motion(solution: Solution) -> KinematicAnalysis:
     return found
 
 
-def _of_run(neighbours: _Neighbours, of: Sequence[str], equilibrium: bool) -> _OfRun:
-    solution = neighbours.solution()
-    if isinstance(solution.analysis, (KinematicAnalysis, InverseDynamics)):
-        return _OfKinematics(neighbours, of, solution)
-    return (_OfEquilibrium if equilibrium else _OfRun)(neighbours, of, solution)
+def type_of(solution: Solution) -> type[OfRun]:
+    """Return the class that differentiates the motion of a run."""
+    return OfKinematics if isinstance(solution.analysis, KinematicAnalysis | InverseDynamics) else OfRun
 
 
 def _quantities(neighbours: _Neighbours, solution: Solution, of: Sequence[str]) -> list[Quantity]:

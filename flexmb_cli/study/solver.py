@@ -1,7 +1,8 @@
 """One case of a study: the deck with other numbers, solved in memory; what is kept of it."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -89,6 +90,17 @@ class CaseSolver:
         """Return how many of the results are one number."""
         return sum(take != SERIES for take in self.takes)
 
+    def warnings(self) -> list[Fault]:
+        """Return those about the deck with the numbers that all cases have, up to the first row."""
+        deck = self._with_constants()
+        run, faults = self._run(deck), list(deck.warnings)
+        with suppress(FlexmbError):  # cases may have other numbers, which can be solved
+            solution = complete_solution(model_of(deck, run), deck, run)
+            faults += [*run.outcome.faults, *solution.model_warnings()]
+            next(iter(solution.blocks()), None)
+            faults += solution.warnings
+        return list(dict.fromkeys(faults))
+
     def _refuse_unknown_numbers(self) -> None:
         """Names that the deck lacks are a fault of the study; values may still be wrong case by case."""
         formulas = (item.formula for item in self.study.parameters if item.formula)
@@ -170,13 +182,12 @@ class CaseSolver:
         pairs = zip(self.quantities, taken, strict=True)
         moving = [(quantity, part) for quantity, part in pairs if part.take not in MODAL]
         try:
-            deck = self._settable.with_settings(self.study.settings(row, self._settable.__contains__))
+            deck = self._deck(row)
             for values in self._blocks(deck) if moving else ():
                 rows += len(values["time"])
                 for quantity, part in moving:
                     part.add(values["time"], self._values_of(quantity, values))
-            if len(moving) < len(taken):
-                self._add_modes(deck, taken)
+            _take_modes(taken, self._modes(deck))
         except FlexmbError as failure:
             code, message = failure.exit_code, failure.faults[0].sentence
         except Exception as fault:
@@ -190,12 +201,35 @@ class CaseSolver:
         self._refuse_other_grid(solution)
         yield from solution.blocks()
 
-    def _add_modes(self, deck: Deck, taken: "list[_Taken]") -> None:
-        pairs = zip(taken, self.study.results, strict=True)
-        chosen = [(part, item) for part, item in pairs if item.take in MODAL]
-        values = modal_values([item for _, item in chosen], deck, self._run(deck))
-        for (part, _), value in zip(chosen, values, strict=True):
-            part.value = value
+    def _deck(self, row: list[float | int]) -> Deck:
+        return self._settable.with_settings(self.study.settings(row, self._settable.__contains__))
+
+    def _modes(self, deck: Deck) -> list[float]:
+        return modal_values((i for i in self.study.results if i.take in MODAL), deck, self._run(deck))
+
+    @property
+    def moving(self) -> list[Quantity]:
+        """Return the quantities that are taken of the motion."""
+        return [one for one, take in zip(self.quantities, self.takes, strict=True) if take not in MODAL]
+
+    def prepared(self, row: list[float | int]) -> Solution:
+        """Return the run with these values of the parameters, ready to be solved.  Raises FlexmbError."""
+        return self._solution(self._deck(row))
+
+    def modes(self, row: list[float | int]) -> np.ndarray:
+        """Return the results that are frequencies or damping.  Raises FlexmbError."""
+        return np.array(self._modes(self._deck(row)))
+
+    def taken_of(
+        self, row: list[float | int], times: np.ndarray, columns: np.ndarray, modes: np.ndarray
+    ) -> CaseResult:
+        """Return the case of a motion whose `moving` quantities are `columns` (rows, k), and of its modes."""
+        taken = self._nothing_taken()
+        moving = [part for part in taken if part.take not in MODAL]
+        for part, column in zip(moving, columns.T, strict=True):
+            part.add(times, column)
+        _take_modes(taken, modes)
+        return self._result(0, row, DONE, len(times), taken, "")
 
     def unsolved(self, case: int, code: int, message: str) -> CaseResult:
         """The result of a case of which nothing is known but that it failed."""
@@ -304,6 +338,11 @@ class _Taken:
         times, values = (np.concatenate(parts) for parts in zip(*self.blocks, strict=True))
         sign = 1.0 if self.take == HIGHEST else -1.0
         return sign * highest(times, sign * values, self.start, self.end)
+
+
+def _take_modes(taken: Sequence[_Taken], values: Iterable[float]) -> None:
+    for part, value in zip((part for part in taken if part.take in MODAL), values, strict=True):
+        part.value = value
 
 
 @dataclass(frozen=True)

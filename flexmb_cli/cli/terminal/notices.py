@@ -83,12 +83,13 @@ class Notices:
             self.faults.append((about, fault))
             self.say(f"{about}: {fault.severity}: {fault.message}")
 
-    def add_of_deck(self, faults: Sequence[Fault], lines: Sequence[str]) -> None:
+    def add_of_deck(self, faults: Sequence[Fault], lines: Sequence[str], file: str = "") -> None:
         """Print notes on a deck with their places in its `lines`, and keep them for the object."""
-        self.faults += [(self.file, fault) for fault in faults]
+        about = file or self.file
+        self.faults += [(about, fault) for fault in faults]
         self.lines = lines
         if faults and not self.quiet:
-            say(compiler_style(self.file, faults, lines))
+            say(compiler_style(about, faults, lines))
 
     def say(self, sentence: str) -> None:
         """Print a sentence that the object has no need of."""

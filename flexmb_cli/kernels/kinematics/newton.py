@@ -169,6 +169,29 @@ def row_times(system: System, work: Work, row: int, values: np.ndarray) -> float
 
 
 @kernel
+def defects_of_rows(
+    system: System, work: Work, states: np.ndarray, times: np.ndarray, order: int, expected: np.ndarray,
+    defects: np.ndarray,
+) -> None:  # fmt: skip
+    """Fill defects (T, m) with Φ, Φ_q q̇ - ν or Φ_q q̈ - γ, by `order`, at states (T, 3, n); unscaled."""
+    for k in range(times.size):
+        q, right_side = states[k, 0], work.vectors[RIGHT_SIDE]
+        evaluate_position(system, work, q, times[k], expected)
+        if order > 0:
+            equations.jacobian(system.constraints, q, work.rotations[A], work.phi_q)
+        if order == 1:
+            equations.velocity(system.constraints, times[k], right_side)
+        elif order == 2:
+            rotation_rates(q, states[k, 1], work.rotations[RATE], work.rotations[REMAINDER])
+            equations.acceleration(system.constraints, q, states[k, 1], times[k], work.rotations, right_side)
+        for row in range(defects.shape[1]):
+            if order == 0:
+                defects[k, row] = work.vectors[PHI, row]
+            else:
+                defects[k, row] = row_times(system, work, row, states[k, order]) - right_side[row]
+
+
+@kernel
 def set_rest(system: System, work: Work, solution: np.ndarray) -> float:
     """Set REST to RIGHT_SIDE - Φ_q solution, solution (n,); returns its largest scaled component."""
     right_side, rest = work.vectors[RIGHT_SIDE], work.vectors[REST]

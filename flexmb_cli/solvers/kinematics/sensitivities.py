@@ -6,13 +6,11 @@ derivatives along (q_p, q̇_p) give q̇_p and q̈_p by the same matrix.  What de
 neighbours of the mechanism at given coordinates; none of them is solved.
 """
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from ...kernels.kinematics import constraints as equations
-from ...kernels.linalg.rotation import RATE, REMAINDER, rotation_rates
+from ...kernels.kinematics.newton import defects_of_rows
 from ..linearisation.motion import sum_of_pairs
 from .analysis import KinematicAnalysis
 from .position import DENSE_LIMIT, Evaluator
@@ -21,6 +19,8 @@ from .position import DENSE_LIMIT, Evaluator
 # last one.
 LARGEST_CORRECTION, ROUND_OFF_OF_STATE = 1e-3, 1e-15
 MOST_CORRECTIONS = 8
+LARGEST_BLOCK = 2**21  # entries of matrices of rows together
+Solve = Callable[[np.ndarray], np.ndarray]
 
 
 class ForkedEquations(Exception):
@@ -48,94 +48,88 @@ def neighbouring_states(
         arrays = one.evaluator.arrays
         if (arrays.bodies_of.shape, arrays.constraints["kind"].tolist()) != like or arrays.screw_angles.size:
             raise ForkedEquations
-    own = _Defects(analysis)
+    own, size = _Defects(analysis), states.shape[2]
     found = {s: states.copy() for s in others}
-    for row, t in enumerate(times.tolist()):
-        solve = own.solver(states[row, 0], t)
-        derivative = _derivative(others, states[row], t, h, solve)
+    count = 1 if size > DENSE_LIMIT else max(1, LARGEST_BLOCK // size**2)
+    for first in range(0, len(times), count):
+        rows = slice(first, first + count)
+        solve = own.solver(states[rows, 0], times[rows])
+        derivatives = _derivatives(others, states[rows], times[rows], h, solve)
         for s, one in others.items():
-            found[s][row] += s * h * derivative
-            corrected = _corrected(one, found[s][row], t, solve)
+            found[s][rows] += s * h * derivatives
+            most = MOST_CORRECTIONS if closed else 1
+            corrected = _corrected(one, found[s][rows], times[rows], solve, most)
             if closed:
-                found[s][row] = corrected
+                found[s][rows] = corrected
     return found
 
 
-def _derivative(
-    others: Mapping[float, "_Defects"], state: np.ndarray, t: float, h: float, solve: Any
+def _derivatives(
+    others: Mapping[float, "_Defects"], states: np.ndarray, times: np.ndarray, h: float, solve: Solve
 ) -> np.ndarray:
-    """Return the derivatives (3, n) of a state by the number; solve(b): by the matrix Φ_q there."""
-    derivative = np.zeros_like(state)
+    """Return the derivatives (T, 3, n) of states by the number."""
+    derivatives = np.zeros_like(states)
     for order in range(3):
 
         def defects(s: float, order: int = order) -> np.ndarray:
-            return others[s].of(order, state + s * h * derivative, t)
+            return others[s].of(order, states + s * h * derivatives, times)
 
-        derivative[order] = -solve(sum_of_pairs(defects) / h)
-    return derivative
+        derivatives[:, order] = -solve(sum_of_pairs(defects) / h)
+    return derivatives
 
 
-def _corrected(one: "_Defects", state: np.ndarray, t: float, solve: Any) -> np.ndarray:
-    """Return the state of a neighbour at a state on the tangent, which is off by the square of the change.
+def _corrected(one: "_Defects", states: np.ndarray, times: np.ndarray, solve: Solve, most: int) -> np.ndarray:
+    """Return the states of a neighbour at states on the tangent, which are off by the square of the change.
 
-    Raises ForkedEquations where it is off by more: the equations jump.
+    `most`: corrections of each order.  Raises ForkedEquations where they are off by more: the equations jump.
     """
-    scale, state = one.evaluator.arrays.column_scale, state.copy()
+    scale, states = one.evaluator.arrays.column_scale, states.copy()
     for order in range(3):
-        for iteration in range(MOST_CORRECTIONS):
-            step = solve(one.of(order, state, t))
-            state[order] -= step
-            size = np.max(np.abs(step) / scale) / (1.0 + np.max(np.abs(state[order]) / scale))
+        for iteration in range(most):
+            step = solve(one.of(order, states, times))
+            states[:, order] -= step
+            largest = np.max(np.abs(states[:, order]) / scale, axis=1)
+            size = float(np.max(np.max(np.abs(step) / scale, axis=1) / (1.0 + largest)))
             if iteration == 0 and not size < LARGEST_CORRECTION:
                 raise ForkedEquations
             if size < ROUND_OFF_OF_STATE:
                 break
-    return state
+    return states
 
 
 class _Defects:
     """Residuals of the equations of a mechanism, of their first and of their second derivative."""
 
     def __init__(self, analysis: KinematicAnalysis):
+        self.system = analysis.system
         self.evaluator: Evaluator = analysis.evaluator
-        arrays = self.evaluator.arrays
-        self.constraints, self.expected = analysis.system.constraints, arrays.screw_angles
-        self.bodies, self.m = arrays.bodies_of, arrays.row_scale.size
+        self.expected = self.evaluator.arrays.screw_angles
+        self.m = self.evaluator.arrays.row_scale.size
 
-    def of(self, order: int, state: np.ndarray, t: float) -> np.ndarray:
-        """Return Φ, Φ_q q̇ - ν or Φ_q q̈ - γ (m,) by `order` at a state (3, n), unscaled."""
-        q, work = state[0], self.evaluator.work
-        residual: np.ndarray = self.evaluator.residual(q, t, self.expected) * self.evaluator.arrays.row_scale
-        if order == 0:
-            return residual
-        rows = self.evaluator.rows(q)
-        halves = state[order].reshape(-1, 7)[self.bodies].reshape(self.m, 14)
-        right_side = np.zeros(self.m)
-        if order == 1:
-            equations.velocity(self.constraints, t, right_side)
-        else:
-            rotation_rates(q, state[1], work.rotations[RATE], work.rotations[REMAINDER])
-            equations.acceleration(self.constraints, q, state[1], t, work.rotations, right_side)
-        found: np.ndarray = np.sum(rows * halves, axis=1) - right_side
-        return found
+    def of(self, order: int, states: np.ndarray, times: np.ndarray) -> np.ndarray:
+        """Return Φ, Φ_q q̇ - ν or Φ_q q̈ - γ (T, m) by `order` at states (T, 3, n), unscaled."""
+        defects = np.zeros((len(times), self.m))
+        defects_of_rows(self.system, self.evaluator.work, states, times, order, self.expected, defects)
+        return defects
 
-    def solver(self, q: np.ndarray, t: float) -> Any:
-        """Return the function that solves Φ_q x = b; raises ForkedEquations where equations repeat others."""
+    def solver(self, positions: np.ndarray, times: np.ndarray) -> Solve:
+        """Return the function that solves Φ_q x = b, b (T, m) at each of the positions (T, n).
+
+        Raises ForkedEquations where equations repeat others.
+        """
         evaluator, arrays = self.evaluator, self.evaluator.arrays
-        evaluator.residual(q, t, self.expected)
-        if self.m != q.size:
+        if self.m != positions.shape[1]:
             raise ForkedEquations
         if self.m > DENSE_LIMIT:
             from scipy.sparse.linalg import splu
 
-            solve = splu(evaluator.sparse_matrix(q).tocsc()).solve
-        else:
-            from scipy.linalg import lu_factor, lu_solve
-
-            factors = lu_factor(evaluator.jacobian(q))
-
-            def solve(b: np.ndarray) -> np.ndarray:
-                found: np.ndarray = lu_solve(factors, b)
-                return found
-
-        return lambda b: solve(b / arrays.row_scale) * arrays.column_scale
+            [position], [time] = positions, times
+            evaluator.residual(position, time, self.expected)
+            solve = splu(evaluator.sparse_matrix(position).tocsc()).solve
+            return lambda b: solve(b[0] / arrays.row_scale)[None] * arrays.column_scale
+        matrices = np.empty((len(times), self.m, self.m))
+        for k, time in enumerate(times.tolist()):
+            evaluator.residual(positions[k], time, self.expected)
+            matrices[k] = evaluator.jacobian(positions[k])
+        inverses = np.linalg.inv(matrices)
+        return lambda b: (inverses @ (b / arrays.row_scale)[:, :, None])[:, :, 0] * arrays.column_scale
