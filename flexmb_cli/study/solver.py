@@ -91,15 +91,19 @@ class CaseSolver:
         return sum(take != SERIES for take in self.takes)
 
     def warnings(self) -> list[Fault]:
-        """Return those about the deck with the numbers that all cases have, up to the first row."""
+        """Return those about the deck with the numbers that all cases have, and about its assembly."""
         deck = self._with_constants()
         run, faults = self._run(deck), list(deck.warnings)
         with suppress(FlexmbError):  # cases may have other numbers, which can be solved
             solution = complete_solution(model_of(deck, run), deck, run)
             faults += [*run.outcome.faults, *solution.model_warnings()]
-            next(iter(solution.blocks()), None)
+            analysis: Any = solution.analysis
+            if hasattr(analysis, "start"):
+                analysis.start()
+            elif solution.variants():  # whose first block is the first row
+                next(iter(solution.blocks()), None)
             faults += solution.warnings
-        return list(dict.fromkeys(faults))
+        return [fault for fault in dict.fromkeys(faults) if fault.severity == "warning"]
 
     def _refuse_unknown_numbers(self) -> None:
         """Names that the deck lacks are a fault of the study; values may still be wrong case by case."""
