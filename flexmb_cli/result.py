@@ -102,21 +102,24 @@ class Result(Mapping[str, np.ndarray]):
         file.note(sentences(fault for fault in self.warnings if fault.severity != "error"))
         file.close()
 
-    def plot(self, *names: str, title: str = "") -> "Figure":
+    def plot(self, *names: str, title: str = "", units: str = "") -> "Figure":
         """Return a figure of matplotlib with curves of quantities, of those of `flexmb plot` without names.
 
-        Raises ResultError for an unknown name, MissingExtra where there is no matplotlib.
+        `units` as after `--units`: "mm,MPa,deg".  Raises ResultError for an unknown name of a quantity,
+        ValueError for one of a unit, MissingExtra if there is no matplotlib.
         """
         needed("matplotlib", "matplotlib", "plot", "Result.plot")
+        from .deck.units import wishes_of
         from .results.figures.curves import Source, default_curves, panels
         from .results.figures.plots import fitted_figure
         from .results.quantities.quantities import resolve, time_quantity
 
+        wishes = wishes_of(units.split(",")) if units else {}
         with self.stored() as file:
             chosen = resolve(file, names) if names else default_curves(file).quantities
             whole = slice(0, len(self.time), 1)
             source = Source("", file, whole, time_quantity(file), chosen, energies_change=not names)
-            return fitted_figure(panels([source]), title, None)
+            return fitted_figure(panels([source], wishes), title, None)
 
     def show(self, height: int = 640) -> "Page":
         """Return the page of `flexmb report`, which a notebook shows: motion in 3-D, curves, deck.

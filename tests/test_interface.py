@@ -374,6 +374,11 @@ def test_notebooks_show_extremes_curves_and_the_page():
     figure = result.plot("point.1.z", "point.1.y")
     (axes,) = figure.axes
     assert np.array_equal(axes.lines[0].get_ydata(), result["point.1.z"])
+    (axes,) = result.plot("point.1.z", units="mm").axes
+    assert "[mm]" in axes.get_ylabel()
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), 1000 * result["point.1.z"], rtol=1e-14)
+    with pytest.raises(ValueError, match="furlong"):
+        result.plot("point.1.z", units="furlong")
     with pytest.raises(FlexmbError, match=r"point\.9\.q"):
         result.plot("point.9.q")
     page = result.show(height=500)

@@ -7,7 +7,7 @@ import h5py
 
 from flexmb_cli.results.figures.contours import BodyLook
 from flexmb_cli.results.figures.film import FilmLook, film_frames
-from flexmb_cli.results.figures.look import COLOURS
+from flexmb_cli.results.figures.look import COLOURS, GRID
 
 PANELS = 2  # of curves
 MOST_ROWS = 1500  # of a curve
@@ -73,7 +73,7 @@ def _draw_curves(axis, panel):
         look = {"color": COLOURS[k % len(COLOURS)], "ls": "-" if k < len(COLOURS) else "--"}
         axis.plot(curve.x, curve.y, label=curve.label, lw=1.2, **look)
     axis.set_ylabel(textwrap.fill(panel.y_label, LABEL))
-    axis.grid(True, lw=0.4, color="#cccccc")
+    axis.grid(True, **GRID)
     if len(panel.curves) > 1:
         longest = max(len(curve.label) for curve in panel.curves)
         columns = 1 if longest > LABEL or len(panel.curves) <= 2 else 2

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 
 from ..results.figures.label_fitting import Letters
-from ..results.figures.look import COLOURS, NARROWEST, PANEL, TICKS, Look
+from ..results.figures.look import COLOURS, GRID, NARROWEST, PANEL, TICKS, Look
 from ..results.figures.plots import HEIGHT, WIDTH, figure_bytes, fit_figure, shown
 from ..results.figures.report_page import json_text, script_hash, shown_html
 from ..results.quantities.quantities import ResultError
@@ -129,7 +129,7 @@ def _curves(figure: "Figure", cases: CasesTable, look: Look | None) -> None:
         if (flat := flat_range(values)) is not None:
             axis.set_ylim(*flat)
             axis.set_title(ONLY_ROUND_OFF, fontsize="small")
-        axis.grid(True, linewidth=0.4, color="#cccccc")
+        axis.grid(True, **GRID)
     label_axis(axes[-1], "x", name, look)
 
 
@@ -179,7 +179,7 @@ def _scatter(figure: "Figure", cases: CasesTable, look: Look | None) -> None:
         for column, (name, x) in enumerate(across.items()):
             axis = grid[row, column]
             axis.plot(x, values, ".", color=COLOURS[0], markersize=3, rasterized=len(x) > MOST_LINES)
-            axis.grid(True, linewidth=0.4, color="#cccccc")
+            axis.grid(True, **GRID)
             if (flat := flat_range(values)) is not None:
                 axis.set_ylim(*flat)
                 axis.set_title(ONLY_ROUND_OFF, fontsize="small")
@@ -284,7 +284,7 @@ def family_picture(
         axes = figure.subplots(len(family.series), squeeze=False, sharex=True)[:, 0]
         for axis, (label, values) in zip(axes, family.series.items(), strict=True):
             label_axis(axis, "y", label, look)
-            axis.grid(True, linewidth=0.4, color="#cccccc")
+            axis.grid(True, **GRID)
             _draw_cases(figure, axis, family, values, look)
         label_axis(axes[-1], "x", "time [s]", look)
 

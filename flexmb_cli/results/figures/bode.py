@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .look import GRID
 from .plots import figure_bytes
 
 if TYPE_CHECKING:
@@ -46,4 +47,4 @@ def bode_picture(response: "Response", form: str) -> bytes:
 
 
 def _grid(axis: Any) -> None:
-    axis.grid(True, linewidth=0.4, color="#cccccc")
+    axis.grid(True, **GRID)

@@ -28,12 +28,16 @@ from .contours import (
 from .depth_buffer import DepthBuffer
 from .element_bodies import ElementBody, element_bodies, outer_faces_of_elements, triangles
 from .label_fitting import Letters
-from .report_scene import GREY, LONGEST_ANIMATION, MOST_TRACES, SHORTEST_ANIMATION, TRACE, colour_of, rounded
-from .scene import Scene, read_scene, view_of
+from .look import GREY, JOINT, TRACE
+from .report_scene import LONGEST_ANIMATION, MOST_TRACES, SHORTEST_ANIMATION, colour_of, rounded
+from .scene import GROUND_SYMBOL, Scene, read_scene, view_of
 
 DOTS = 72  # an inch, so that a point is a pixel
 # Height of letters: their usual share of the picture's height, and least and largest, pixels.
 LETTERS, LEAST, LARGEST = 1 / 45, 7.0, 40.0
+# By the height of letters: length of the axes of the ground, and distance of their origin from the corner.
+AXIS, CORNER = 2.4, 4.2
+THIN, TIPS = 0.12, 1.35  # radius of an axis by the height of letters; place of its name by its length
 # By the height of letters: a line, and height and width of the legend's colours.
 LINE_PITCH, BAR = 1.35, (0.8, 15.0)
 MOST_MARGIN = 1 / 16  # of the picture's width
@@ -85,6 +89,15 @@ class Texts:
             ImageDraw.Draw(image).text(place, line, "black", self.font)
         picture[:] = np.asarray(image)
 
+    def name_axes(self, picture: np.ndarray, ends: np.ndarray) -> None:
+        """Write x, y and z at the `ends` (3, 2) of the axes of the ground."""
+        from PIL import Image, ImageDraw
+
+        image = Image.fromarray(picture)
+        for name, end in zip("xyz", ends, strict=True):
+            ImageDraw.Draw(image).text(tuple(end), name, GREY, self.font, anchor="mm")
+        picture[:] = np.asarray(image)
+
 
 # Behind the time of every frame with numbers of `run --as-printed`.
 EMULATED = "with the known errors of the program of 1996 (--as-printed)"
@@ -96,7 +109,6 @@ MOST_FRAMES = 3000
 MOST_OF_GIFS = 50
 # Of the largest size of the mechanism: radius of a tube; share of the picture that it fills.
 TUBE_RADIUS, FILLED = 0.008, 1 / 1.12
-JOINT = "#6B6B6B"
 CONTOURS_BEGIN = 0.2  # of viridis, where contours begin: below it is as dark as a dark page
 
 
@@ -194,6 +206,19 @@ class _Camera:
         seen[..., :2] += self.size / 2 - self.middle * self.scale
         return seen
 
+    def triad(self, letters: float, places: np.ndarray) -> np.ndarray:
+        """Origin and ends (4, 3), pixels, of the ground's axes in a right corner without `places` (n, 3).
+
+        The lower corner comes first; there are no axes (0, 3) if both have places.
+        """
+        ends = np.concatenate([np.zeros((1, 3)), AXIS * letters * self.axes.T])
+        away, seen = CORNER * letters, self.seen(places)[:, :2]
+        for origin in (self.size - away, np.array([self.size[0] - away, away])):
+            if (np.abs(seen - origin).max(axis=1) > away).all():
+                ends[:, :2] += origin
+                return ends
+        return ends[:0]
+
 
 class _Surface:
     """Triangles of a finite-element body or of shapes, and what they are coloured by."""
@@ -242,7 +267,8 @@ class _Canvas:
         # Everything at all times; of finite-element bodies at some.
         rows = np.unique(np.linspace(0, len(scene.time) - 1, 20).astype(int))
         of_bodies = (body.places(row, bodies_look.scale) for body in bodies for row in rows)
-        self.camera = _Camera(np.concatenate([scene.places, *of_bodies]), scene.gravity, look)
+        places = np.concatenate([scene.places, *of_bodies])
+        self.camera = _Camera(places, scene.gravity, look)
         self.buffer = DepthBuffer(look.width, look.height)
         contour = shown_colours(bodies_look, ranges)
         reached = ranges.get(contour)
@@ -257,6 +283,7 @@ class _Canvas:
         self.labels = [f"t = {time} s{magnified}" for time in rounded(scene.time)]
         self.legend = _legend(contour, ends, reached, bodies_look) if ends and reached else ""
         self.texts = Texts(look.width, look.height, self.legend, self.contours, look.letters)
+        self.triad = self.camera.triad(self.texts.letters, places)
 
     def frame(self, row: int) -> np.ndarray:
         """The picture of a row."""
@@ -270,9 +297,26 @@ class _Canvas:
             self.buffer.tubes(marks[body.edges[:, 0]], marks[body.edges[:, 1]], radius, colour)
         joints = self.camera.seen(self.scene.joints[row]) + (0, 0, self.camera.radius)
         self.buffer.tubes(joints, joints, 1.5 * self.camera.radius, _rgb(JOINT))
+        self._signs(joints)
         for trace in self.traces:
             self.buffer.path(trace, _rgb(TRACE))
-        return self.texts.written(self.buffer.picture(), self.labels[row])
+        picture = self.texts.written(self.buffer.picture(), self.labels[row])
+        if len(self.triad):
+            origin, ends = self.triad[:1, :2], self.triad[1:, :2]
+            self.texts.name_axes(picture, origin + TIPS * (ends - origin))
+        return picture
+
+    def _signs(self, joints: np.ndarray) -> None:
+        """Draw the symbol of the ground at joints (J, 3) that rest, and its axes in the corner."""
+        radius = self.camera.radius
+        lines = np.reshape(GROUND_SYMBOL, (-1, 2, 2)) * radius
+        for joint in joints[self.scene.supports]:
+            places = np.zeros((len(lines), 2, 3))
+            places[..., :2] = lines
+            places += joint - (0, 0, 2 * radius)
+            self.buffer.tubes(places[:, 0], places[:, 1], max(0.6, 0.3 * radius), _rgb(GREY))
+        for end in self.triad[1:]:
+            self.buffer.tubes(self.triad[:1], end[None], THIN * self.texts.letters, _rgb(GREY))
 
     def _surface(self, surface: _Surface, row: int) -> None:
         corners = self.camera.seen(surface.body.places(row, surface.scale))[surface.triangles]

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
 # Okabe and Ito's colours, distinguished by everyone.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#B22222", "#6A3D9A")
 
+# Of scenes: the ground and its axes, joints, paths of points.
+GREY, JOINT, TRACE = "#808080", "#6B6B6B", "#B06060"
+GRID: "dict[str, Any]" = {"linewidth": 0.4, "color": "#cccccc"}  # lines of a panel
+
 MILLIMETRES = 25.4
 # Height of a panel by the width of the picture.
 PANEL, SQUARE_PART = 0.45, 0.85
@@ -115,7 +119,7 @@ def settings() -> "dict[RcKeyType, Any]":
 
     return {
         "axes.prop_cycle": cycler(color=COLOURS), "lines.linewidth": THICKNESS, "axes.xmargin": 0.02,
-        "axes.grid": True, "grid.linewidth": 0.4, "grid.color": "#cccccc",
+        "axes.grid": True, "grid.linewidth": GRID["linewidth"], "grid.color": GRID["color"],
     }  # fmt: skip
 
 

@@ -23,10 +23,9 @@ from .contours import (
     shown_unit,
 )
 from .element_bodies import ElementBody, element_bodies, face_edges, outer_faces_of_elements, triangles
-from .look import COLOURS
-from .scene import BodyShape, DrawnBody, Scene, read_scene, view_of
+from .look import COLOURS, GREY, JOINT, TRACE
+from .scene import GROUND_SYMBOL, BodyShape, DrawnBody, Scene, read_scene, view_of
 
-GREY, TRACE = "#808080", "#B06060"
 MOST_SCENE_FRAMES, FEWEST_FRAMES = 500, 20
 # Places of all frames together: 16 bytes of the page each; what moves by modes or as a whole stores none.
 MOST_PLACES = 100_000
@@ -109,7 +108,8 @@ def scene_data(
             "scale": look.scale,
             "largest": largest_scale(ranges, scene.size),
         },
-        "joints": {"marks": _numbers(scene.joints), "names": list(scene.joint_names)},
+        "joints": {"marks": _numbers(scene.joints), "names": list(scene.joint_names), "colour": JOINT},
+        "ground": {"lines": GROUND_SYMBOL, "joints": scene.supports.tolist(), "colour": GREY},
         "traces": _traces(scene),
     }
 

@@ -58,6 +58,17 @@ def test_a_film_has_its_frames_and_shows_the_turning_bar(path, tmp_path, form):
         assert abs((missed + np.pi / 2) % np.pi - np.pi / 2) < 0.02
 
 
+def test_the_axes_of_the_ground_stand_in_the_corner_as_the_view_has_them(path, tmp_path):
+    """Seen along y, x goes to the right of the origin and z upwards; as grey as the ground is."""
+    frame = filmed(path, tmp_path / "a.gif", "--fps", "1", "--size", "640x400", "--view", "y")[0].astype(int)
+    letters = 400 * film.LETTERS
+    x, y = (round(size - film.CORNER * letters) for size in (640, 400))
+    part = round(0.6 * film.AXIS * letters)
+    grey = [abs(frame[row, column] - 0x80).max() < 60 for row, column in ((y, x + part), (y - part, x))]
+    white = [frame[row, column].min() > 240 for row, column in ((y, x - part), (y + part, x))]
+    assert all(grey) and all(white)
+
+
 def test_another_view_is_another_picture(path, tmp_path):
     start, aside = (filmed(path, tmp_path / "a.gif", "--fps", "1", "--view", view) for view in ("start", "x"))
     assert start.shape == aside.shape and (start != aside).any()

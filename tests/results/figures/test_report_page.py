@@ -389,6 +389,19 @@ def test_a_tube_has_its_colour_its_width_and_its_name(page):
 
 
 @pytest.mark.processes
+def test_axes_and_names_are_written_into_the_picture(page):
+    """x, y and z always; bodies, joints and surfaces by the box "labels"."""
+    texts = "return window.flexmb.viewer.texts.map(one => one.text)"
+    rest(page)
+    assert page.execute_script(texts) == ["x", "y", "z"]
+    part(page, "labels").click()
+    names = page.execute_script("return window.flexmb.viewer.names")
+    assert sorted(page.execute_script(texts)[3:]) == sorted(names)
+    part(page, "labels").click()
+    assert page.execute_script(texts) == ["x", "y", "z"]
+
+
+@pytest.mark.processes
 def test_the_slider_moves_the_mechanism(page):
     """A click on the middle of the slider shows row 3 of 0..6."""
     actions = pytest.importorskip("selenium.webdriver").ActionChains

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from flexmb_cli import solve
 from flexmb_cli.deck.record import DeckText
 from flexmb_cli.dialects.dafms.build import build_dafms
 from flexmb_cli.dialects.dafms.reader import read_dafms
@@ -33,6 +34,7 @@ from flexmb_cli.results.quantities.quantities import ResultError, open_result
 from tests.results.figures.turning_bar import tip, write_bar
 
 TIMES = np.arange(7.0)
+DECKS = Path(__file__).resolve().parents[3] / "decks"
 
 
 @pytest.fixture
@@ -55,6 +57,15 @@ def test_a_bar_is_a_line_from_its_joint_to_its_point(scene):
 
 def test_a_body_that_never_moves_is_ground(scene):
     assert [body.still for body in scene().bodies] == [True, False]
+
+
+def test_joints_at_rest_get_the_symbol_of_the_ground(tmp_path):
+    """IN4-BAR: both revolute joints of the frame rest, the spherical and the universal one move."""
+    solve(DECKS / "young/IN4-BAR.dat").save(tmp_path / "r.h5")
+    with open_result(tmp_path / "r.h5") as file:
+        whole, one = read_scene(file), read_scene(file, slice(0, 1))
+    assert [whole.joint_names[k] for k in whole.supports] == ["revolute 1", "revolute 2"]
+    assert one.supports.size == 0
 
 
 def test_rows_can_be_thinned(scene):

@@ -23,7 +23,12 @@ class Raster {
     this.pixels.fill(packed(ground)); this.depth.fill(NOTHING); this.owner.fill(0);
   }
 
-  end() { this.context.putImageData(this.image, 0, 0); }
+  // Show the picture, with texts in their places, `size` pixels high.
+  end(texts, size) {
+    this.context.putImageData(this.image, 0, 0);
+    Object.assign(this.context, {font: `${size}px system-ui, sans-serif`, textAlign: "center", textBaseline: "middle"});
+    for (const {text, colour, x, y} of texts) { this.context.fillStyle = colour; this.context.fillText(text, x, y); }
+  }
 
   // The number of what is drawn at a place, 0 for nothing; looked for within so many pixels.
   ownerAt(x, y, reach) {

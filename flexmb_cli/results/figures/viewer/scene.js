@@ -9,7 +9,7 @@ class Scene {
     this.contoured = this.surfaces.filter(one => one.modes);
     this.lines = scene.bodies.map(one => ({...one, marks: floats(one.marks), edges: integers(one.edges), palette: palette([rgb(one.colour)])}));
     this.traces = scene.traces.map(one => this.prepareTrace(one));
-    this.joints = {marks: floats(scene.joints.marks), names: scene.joints.names, palette: palette([[0.42, 0.42, 0.42]])};
+    this.joints = {marks: floats(scene.joints.marks), names: scene.joints.names, palette: palette([rgb(scene.joints.colour)])};
     // What the numbers in the raster stand for, from 1.
     this.names = [...this.lines, ...this.surfaces].map(one => one.name).concat(this.joints.names);
     this.contours = palette(Array.from({length: STEPS}, (_, k) => viridis(CONTOURS_BEGIN + (1 - CONTOURS_BEGIN) * k / (STEPS - 1))));
@@ -111,10 +111,37 @@ class Scene {
       p[2] += camera.radius;
       raster.tube(p, p, 1.5 * camera.radius, this.joints.palette, before + k + 1);
     });
+    this.drawSigns(camera);
     for (const trace of this.part("traces").checked ? this.traces : []) {
       this.project(camera, trace.marks, trace.screen);
       raster.lines(trace.screen, trace.index, trace.packed, 0, Math.max(1, Math.round(1.5 * this.shown)));
     }
+  }
+
+  // The symbol of the ground at joints that rest, and its axes in the lower right corner.
+  drawSigns(camera) {
+    const {raster, frame, joints, scene, shown} = this, grey = palette([rgb(scene.ground.colour)]);
+    for (const k of scene.ground.joints) {
+      const [x, y, z] = this.placed(camera, joints.marks, joints.names.length * frame + k), r = camera.radius;
+      for (const [a, b, c, d] of scene.ground.lines) raster.tube([x + a * r, y + b * r, z - 2 * r], [x + c * r, y + d * r, z - 2 * r], 0.3 * r, grey, 0);
+    }
+    const {eye, up: wanted} = this.turn, right = unit(cross(wanted, eye)), up = cross(eye, right), o = [raster.width - CORNER * shown, raster.height - CORNER * shown, 1e6];
+    this.texts = [..."xyz"].map((text, k) => {
+      const end = [o[0] + AXIS * shown * right[k], o[1] - AXIS * shown * up[k], o[2] + AXIS * shown * eye[k]];
+      raster.tube(o, end, 1.8 * shown, grey, 0);
+      return {text, colour: scene.ground.colour, x: o[0] + 1.35 * (end[0] - o[0]), y: o[1] + 1.35 * (end[1] - o[1])};
+    });
+  }
+
+  // Names of bodies and joints in the picture.
+  drawNames(camera, ink) {
+    const {lines, surfaces, joints, frame, texts} = this, named = (text, [x, y]) => texts.push({text, colour: ink, x, y: y - 12 * this.shown});
+    for (const body of lines) {
+      const first = body.still ? 0 : body.places * frame, ends = [...body.edges].slice(0, 2).map(k => this.placed(camera, body.marks, first + k));
+      if (ends.length) named(body.name, [0, 1].map(i => (ends[0][i] + ends[1][i]) / 2));
+    }
+    for (const {name, screen, count} of surfaces) named(name, [0, 1].map(i => { let sum = 0; for (let n = 0; n < count; n++) sum += screen[3 * n + i]; return sum / count; }));
+    joints.names.forEach((name, k) => named(name, this.placed(camera, joints.marks, joints.names.length * frame + k)));
   }
 
   project(camera, marks, screen) {

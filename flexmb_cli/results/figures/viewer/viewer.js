@@ -1,5 +1,6 @@
 // The report's viewer: a scene with its controls, the mouse and the motion.
 
+const CORNER = 52, AXIS = 30;  // of the axes of the ground: distance from the corner and length, px
 const RATIOS = [0.5, 0.7, 1, 1.4, 2], SLOW = 13, QUICK = 5, MOST_PIXELS = 4e6;
 
 class Viewer extends Scene {
@@ -22,7 +23,8 @@ class Viewer extends Scene {
     this.shown = ratio;
     const camera = this.camera();
     this.drawSurfaces(camera); this.drawTubes(camera);
-    this.raster.end();
+    if (this.part("labels").checked) this.drawNames(camera, getComputedStyle(document.documentElement).getPropertyValue("--ink").trim());
+    this.raster.end(this.texts, 13 * ratio);
     this.tell();
     if (this.playing) this.adapt(performance.now() - begun);
   }
@@ -60,7 +62,7 @@ class Viewer extends Scene {
     this.part("colour").addEventListener("change", event => { this.colouring = event.target.value; this.offerRange(); again(); });
     this.part("scale").addEventListener("change", () => { this.scale(); again(); });
     for (const name of ["low", "high"]) this.part(name).addEventListener("change", () => { this.choose(); again(); });
-    for (const name of ["mesh", "traces"]) this.part(name).addEventListener("change", again);
+    for (const name of ["mesh", "traces", "labels"]) this.part(name).addEventListener("change", again);
     for (const name of ["colour", "low", "scale", "mesh"]) this.part(name).parentElement.hidden = !this.contoured.length;
     this.part("traces").parentElement.hidden = !this.traces.length;
     this.part("shade").addEventListener("click", () => {
@@ -189,7 +191,7 @@ class Viewer extends Scene {
   }
 
   play() {
-    this.playing = true; this.part("play").textContent = "pause";
+    this.playing = true; this.part("play").textContent = "pause"; this.part("play").classList.add("playing");
     this.ratio = RATIOS.includes(this.ratio) && this.ratio <= 1 ? this.ratio : 1;
     const time = this.scene.time, last = time.length - 1;
     if (this.frame === last || this.opened) this.frame = 0;
@@ -212,7 +214,7 @@ class Viewer extends Scene {
     requestAnimationFrame(step);
   }
 
-  pause() { this.playing = false; this.part("play").textContent = "play"; }
+  pause() { this.playing = false; this.part("play").textContent = "play"; this.part("play").classList.remove("playing"); }
 }
 
 window.flexmb = {ready: false, frames: 0};
