@@ -19,6 +19,7 @@ from ..model.flexible_mechanism import (
     PointJoint,
     PointPin,
 )
+from ..model.general_joints import GeneralJoint
 from ..model.laws import Element, Frames, Line, Push, Touch
 from ..model.mechanism import GROUND
 from ..model.vectors import euler_parameters
@@ -203,9 +204,15 @@ class _Points:
             return given
         curves = tuple(replace(c, P_i=self.point(c.P_i), P_j=self.point(c.P_j)) for c in given.curves)
         rolls = tuple(replace(r, P_i=self.point(r.P_i), P_j=self.point(r.P_j)) for r in given.rolls)
-        generals = tuple(replace(c, P_i=self.point(c.P_i), P_j=self.point(c.P_j)) for c in given.generals)
+        generals, later = (tuple(map(self._joined, joints)) for joints in (given.generals, given.later))
         forces = tuple(map(self._attached, given.forces))
-        return replace(given, forces=forces, curves=curves, rolls=rolls, generals=generals)
+        return replace(given, forces=forces, curves=curves, rolls=rolls, generals=generals, later=later)
+
+    def _joined(self, item: Any) -> Any:
+        """Return a general joint between points; a motion, which may be caught later, as it is."""
+        if not isinstance(item, GeneralJoint):
+            return item
+        return replace(item, P_i=self.point(item.P_i), P_j=self.point(item.P_j))
 
     def _attached(self, item: Element) -> Element:
         ends = item.measure

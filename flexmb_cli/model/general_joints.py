@@ -12,8 +12,8 @@ With a single turn held, about z for instance, it is that of a universal joint: 
 right angles to y of the second.
 """
 
-from collections.abc import Collection
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,7 +27,8 @@ class GeneralJoint:
 
     `axes`: unit vectors x, y, z in the axes of body i, with which those of body j coincide at the start;
     `held`: which of `DIRECTIONS`.  `leaning`: of a constant angle the unit vector, axes of body j, whose
-    angle to z stays that of the start; None for all others.
+    angle to z stays that of the start; None for all others.  `turned` (3, 3): takes vectors from the axes of
+    body i to those of body j where the joint is caught; None: where the motion starts.
     """
 
     name: str
@@ -39,6 +40,7 @@ class GeneralJoint:
     held: tuple[bool, ...]
     leaning: tuple[float, float, float] | None = None
     place: Place | None = None
+    turned: Any = None
 
     @property
     def slides(self) -> list[tuple[str, np.ndarray]]:
@@ -60,6 +62,7 @@ class GeneralJoint:
 
         `turned` (3, 3): takes vectors from the axes of body i to those of body j at the start.
         """
+        turned = turned if self.turned is None else self.turned
         if self.leaning is not None:
             v, w = np.array(self.axes[2]), np.array(self.leaning)
             return [("angle of the axes", v, w, float(w @ turned @ v))]
@@ -87,14 +90,17 @@ def frame_of(axis: np.ndarray, across: np.ndarray | None) -> tuple[tuple[float, 
 
 
 @dataclass(frozen=True)
-class Release:
-    """A joint of a line JOINT, by its name, let go at a `time`, s, or when a quantity reaches a value.
+class Switch:
+    """A joint of a line JOINT or a driver of a line DRIVE, `part` by its name, that is caught or let go.
 
-    `quantity`: its name in results, or of a line OUTPUT; `rising`: whether it reaches `value` from below.
+    `catches`: whether it holds from then on, or no longer.  At a `time`, s, or when a quantity reaches a
+    value: `quantity` is its name in results, or of a line OUTPUT; `rising`: whether it reaches `value` from
+    below.
     """
 
     name: str
-    joint: str
+    part: str
+    catches: bool
     time: float | None = None
     quantity: str = ""
     value: float = 0.0
@@ -102,18 +108,18 @@ class Release:
     place: Place | None = None
 
 
-def refuse_releases(elements: Any, command: str) -> None:
-    """Raise ModelError if elements, or None, have releases, which a command does not follow."""
-    if elements is not None and elements.releases:
-        message = f"{command} lets no joints go; leave out this line in a copy of the deck"
-        first = elements.releases[0]
+def is_off_at_start(switches: Sequence[Switch]) -> bool:
+    """Return whether a part with these switches holds nothing at first: caught, and not let go before."""
+    caught = [one for one in switches if one.catches]
+    freed = [one.time for one in switches if not one.catches and one.time is not None]
+    return bool(caught) and not any(
+        one.time is not None and freed and min(freed) < one.time for one in caught
+    )
+
+
+def refuse_switches(elements: Any, command: str) -> None:
+    """Raise ModelError if elements, or None, have lines CATCH or RELEASE, which a command does not follow."""
+    if elements is not None and elements.switches:
+        message = f"{command} catches nothing and lets nothing go; leave out this line in a copy of the deck"
+        first = elements.switches[0]
         raise ModelError([Fault("error", message, first.place, first.name, id="SOLVE-192")])
-
-
-def without_joints(model: Any, names: Collection[str]) -> Any:
-    """Return a dynamic model, flexible mechanism or tree without the general joints of these names."""
-    generals = tuple(joint for joint in model.elements.generals if joint.name not in names)
-    changed = {"elements": replace(model.elements, generals=generals)}
-    if hasattr(model, "closures"):
-        changed["closures"] = tuple(c for c in model.closures if not (c.general and c.name in names))
-    return replace(model, **changed)

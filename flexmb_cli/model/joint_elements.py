@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import Place
-from .general_joints import GeneralJoint, Release
+from .general_joints import GeneralJoint, Switch
 from .joints import JOINT_TYPES, NODE_JOINT_TYPES
 from .laws import Element, Law, is_angle
 from .mechanism import Vector
@@ -305,7 +305,8 @@ class JointElements:
     couplings: tuple[Coupling, ...] = ()
     composites: tuple[CompositeJoint, ...] = ()
     generals: tuple[GeneralJoint, ...] = ()
-    releases: tuple[Release, ...] = ()
+    switches: tuple[Switch, ...] = ()
+    later: tuple[Any, ...] = ()  # joints and drivers that are off at the start
     starts: tuple[JointStart, ...] = ()
     rests: tuple[StartAtRest, ...] = ()
     curves: tuple[Curve, ...] = ()

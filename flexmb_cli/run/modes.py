@@ -12,7 +12,7 @@ import numpy as np
 from ..deck.record import Deck
 from ..errors import Fault, ModelError
 from ..model.flexible_body import Dropped, FlexibleBody
-from ..model.general_joints import refuse_releases
+from ..model.general_joints import refuse_switches
 from ..model.unit_checks import unit_warnings
 from ..results.files.replaced_file import write_whole
 from .mechanism_modes import MechanismModes, Wish, dynamic_modes, flexible_modes, tree_modes
@@ -87,7 +87,7 @@ def mechanism_modes(model: Any, wish: Wish, run: Run) -> MechanismModes:
 def _at_rest(model: Any, wish: Wish) -> Wish:
     """Return the wish for the equilibrium that the deck begins in, if it does; refuse releases."""
     if wish.time is not None:
-        refuse_releases(model.elements, "modes --at TIME")
+        refuse_switches(model.elements, "modes --at TIME")
     if not model.elements.rests:
         return wish
     if wish.time is not None and not wish.equilibrium:

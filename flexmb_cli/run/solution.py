@@ -49,15 +49,14 @@ def prepared(deck: Deck, run: Run) -> tuple[Solution, list[Fault]]:
 
 
 def complete_solution(model: Any, deck: Deck, run: Run) -> Solution:
-    """Return the solution of a model with its outputs, and the joints that are let go; raises ModelError."""
-    solution = with_outputs(solution_of(model, run), deck)
+    """Return the solution of a model with outputs, and what is caught or let go; raises ModelError."""
     elements = getattr(model, "elements", None)
-    if elements is None or not elements.releases:
-        return solution
+    if elements is None or not elements.switches:
+        return with_outputs(solution_of(model, run), deck)
     # Few decks have any.
-    from .solutions.released import released
+    from .solutions.switched import switched
 
-    return released(solution, model, deck, run, solution_of)
+    return switched(model, deck, run, solution_of, with_outputs)
 
 
 def with_outputs(solution: Solution, deck: Deck) -> Solution:

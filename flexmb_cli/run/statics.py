@@ -8,7 +8,7 @@ import numpy as np
 
 from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, ModelError, sentences
-from ..model.general_joints import refuse_releases
+from ..model.general_joints import refuse_switches
 from ..model.unit_checks import unit_warnings
 from ..results.files.file_names import refuse_foreign
 from ..results.hdf5.layout import TIME, Layout, Series
@@ -118,7 +118,7 @@ def _fill(report: StaticsReport, stepping: Stepping, run: Run) -> None:
         raise ModelError([Fault("error", message, id="SOLVE-180")])
     refuse_states(model.elements.signals, "flexmb statics")
     if stepping.rows or stepping.time is not None:
-        refuse_releases(model.elements, "statics at later times")
+        refuse_switches(model.elements, "statics at later times")
     # What lines START equilibrium ask for is what this command does.
     model = replace(model, elements=replace(model.elements, rests=()))
     run.warn(unit_warnings(model))

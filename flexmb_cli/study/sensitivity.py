@@ -15,7 +15,7 @@ import numpy as np
 from ..deck.record import Number
 from ..dialects.settings import SettableDeck
 from ..errors import Fault, FlexmbError, ModelError
-from ..model.general_joints import refuse_releases
+from ..model.general_joints import refuse_switches
 from ..result import OpenDeck, Result
 from ..results.hdf5.layout import Layout, Series
 from ..results.hdf5.result_file import empty_result
@@ -182,7 +182,7 @@ class _Neighbours:
         deck, run = self._settable.with_settings([f"{name}={value!r}"] if name else []), self.run()
         refuse_foreign_method(deck, self.options)
         model = model_of(deck, run)
-        refuse_releases(getattr(model, "elements", None), "sensitivity")
+        refuse_switches(getattr(model, "elements", None), "sensitivity")
         if not name:
             self.faults += run.outcome.faults
         return model, run

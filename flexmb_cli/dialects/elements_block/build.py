@@ -11,7 +11,7 @@ import numpy as np
 
 from ...deck.record import Number
 from ...model.diagnostics import Findings
-from ...model.general_joints import Release
+from ...model.general_joints import GeneralJoint, Switch, is_off_at_start
 from ...model.joint_elements import Coupling, Curve, JointDriver, JointElements, JointStart, StartAtRest
 from ...model.laws import (
     BRISTLES,
@@ -50,7 +50,7 @@ _ONE_OF: dict[str, Callable[..., Any]] = {  # what there may be one of, and by w
     "supports": lambda item: item.item,
     "drivers": lambda item: (item.joint, item.coordinate),
     "starts": lambda item: (item.joint, item.coordinate),
-    "releases": lambda item: item.joint,
+    "switches": lambda item: (item.part, item.catches),
 }
 
 
@@ -70,11 +70,11 @@ class BlockBuilder:
             field, item = self._element(line, more)
             if item is not None:
                 found.setdefault(field, []).append(item)
+        self._put_off(found, lines)
         self._refuse_twice(found)
         for item in found.get("starts", ()) if "rests" in found else ():
             message = "START equilibrium says how the motion begins; remove one of them"
             self.findings.error(item.name, message, item.place, id="ELEMENTS-200")
-        self._refuse_unknown_joints(found)
         self._refuse_driven(found.get("starts", ()), found.get("drivers", ()))
         groups: dict[str, Any] = {name: tuple(items) for name, items in found.items()}
         groups["forces"] = motors_last(groups.get("forces", ()))
@@ -96,7 +96,8 @@ class BlockBuilder:
             "START": ("rests", self._at_rest) if line.begins_at_rest else ("starts", self._start),
             "CURVE": ("curves", self._curve),
             "ROLL": ("rolls", lambda line: roll_of(line, self.measures)),
-            "RELEASE": ("releases", self._release),
+            "RELEASE": ("switches", self._switch),
+            "CATCH": ("switches", self._switch),
         }
         if line.word not in makers:
             message = f"decks of this dialect have no {line.word}; remove the line"
@@ -381,25 +382,42 @@ class BlockBuilder:
         at = self.measures.named(line, number, number.key)
         return at and (*at, float(number.value))
 
-    def _release(self, line: ElementLine) -> Release | None:
-        sides = [key for key in ("above", "below") if key in line]
+    def _switch(self, line: ElementLine) -> Switch | None:
+        sides, catches = [key for key in ("above", "below") if key in line], line.word == "CATCH"
         if len(sides) != ("when" in line):
             message = "when= takes above= or below=, and time= neither of them"
             self.findings.error(line.subject, message, line.place, id="ELEMENTS-209")
             return None
         if "time" in line:
-            return Release(line.subject, line["of"], float(line["time"]), place=line.place)
+            return Switch(line.subject, line["of"], catches, float(line["time"]), place=line.place)
         [side] = sides
         value, rising = float(line[side]), side == "above"
-        return Release(line.subject, line["of"], None, line["when"], value, rising, line.place)
+        return Switch(line.subject, line["of"], catches, None, line["when"], value, rising, line.place)
 
-    def _refuse_unknown_joints(self, found: Mapping[str, Sequence[Any]]) -> None:
-        """Refuse releases of what is no general joint."""
-        joints = [joint.name for joint in found.get("generals", ())]
-        for item in found.get("releases", ()):
-            if item.joint not in joints:
-                message = f"{item.joint} names no line JOINT general, weld and so on; only these are let go"
+    def _put_off(self, found: dict[str, list[Any]], lines: Sequence[ElementLine]) -> None:
+        """Move joints and drivers that are caught later to a group of their own; refuse unknown ones."""
+        switches: dict[str, list[Switch]] = {}
+        names = {item.name for key in ("generals", "drivers") for item in found.get(key, ())}
+        for item in found.get("switches", ()):
+            switches.setdefault(item.part, []).append(item)
+            if item.part not in names:
+                message = f"{item.part} names no line JOINT general, weld and so on, nor DRIVE at=…"
                 self.findings.error(item.name, message, item.place, id="ELEMENTS-208")
+        off = {name for name, own in switches.items() if name in names and is_off_at_start(own)}
+        found["later"] = [item for key in ("generals", "drivers") for item in found.get(key, ())
+                          if item.name in off]  # fmt: skip
+        for key in ("generals", "drivers"):
+            found[key] = [item for item in found.get(key, ()) if item.name not in off]
+        for line in lines:
+            joint = next((one for one in found["later"] if one.name == line.subject), None)
+            if isinstance(joint, GeneralJoint):
+                self._refuse_bending(line, joint)
+
+    def _refuse_bending(self, line: ElementLine, joint: GeneralJoint) -> None:
+        for key, body in (("from", joint.i), ("to", joint.j)):
+            if body >= 0 and not self.measures.is_rigid(line, body, key):
+                message = "a joint that is caught takes points of rigid bodies, not nodes of flexible ones"
+                self.measures.error(line, line.at(f"{key}.body"), message, id="ELEMENTS-245")
 
     def _at_rest(self, line: ElementLine) -> StartAtRest:
         return StartAtRest(line.subject, line.place)

@@ -296,17 +296,21 @@ WORDS = (
         ),
         kinds=(*LINKS, *GENERAL_KEYS),
     ),
-    BlockWord(
-        "RELEASE",
-        "joint of a line JOINT that is let go at a time, or when a quantity reaches a value",
-        (
-            Key("of", "name of the general joint", NAMED, needed=True),
-            Key("time", "time at which it is let go, s"),
-            Key("when", "quantity of the results, or output, that lets it go", NAMED),
-            Key("above", "value that the quantity reaches from below, in its SI unit"),
-            Key("below", "value that it reaches from above"),
-        ),
-        ((("time",), ("when",)),),
+    *(
+        BlockWord(
+            word,
+            f"joint of a line JOINT, or driver of a line DRIVE, that {does} at a time, or when a quantity "
+            "reaches a value",
+            (
+                Key("of", "name of the joint or driver", NAMED, needed=True),
+                Key("time", "time at which that happens, s"),
+                Key("when", "quantity of the results, or output, at whose value it happens", NAMED),
+                Key("above", "value that the quantity reaches from below, in its SI unit"),
+                Key("below", "value that it reaches from above"),
+            ),
+            ((("time",), ("when",)),),
+        )
+        for word, does in (("CATCH", "begins to hold"), ("RELEASE", "lets go"))
     ),
     BlockWord(
         MASS,

@@ -24,7 +24,7 @@ from .bodies import build_bodies, build_ground
 from .cards.analysis import SHAPES, WITHOUT_CARD
 from .joints import build_joints, build_pins, check_motion_functions, find_end
 from .loads import Factors, build_forces, build_joint_springs, build_outputs, build_springs, build_torques
-from .motions import build_motions, build_tables, motions_of
+from .motions import build_motions, build_tables, motions_among, motions_of
 from .stress_outputs import build_stresses
 from .unused_fields import refuse_unread, warn_of_tables
 
@@ -71,7 +71,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
         "outputs": build_outputs(values, bodies, ground, findings),
         "stresses": build_stresses(values, bodies, findings),
         "shapes": _shapes(values, bodies, folder, findings),
-        "elements": replace(elements, drivers=()),
+        "elements": replace(elements, drivers=(), later=motions_among(elements.later)),
     }
     functions.note_unused()
     if not bodies:

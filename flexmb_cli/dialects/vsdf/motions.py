@@ -100,6 +100,11 @@ def motions_of(drivers: Sequence[JointDriver]) -> tuple[Motion, ...]:
     )
 
 
+def motions_among(items: Sequence[Any]) -> tuple[Any, ...]:
+    """Return joints as they are, and drivers as motions."""
+    return tuple(motions_of([item])[0] if isinstance(item, JointDriver) else item for item in items)
+
+
 def _target_exists(
     record: Record, bodies: int, joints: int, kinds: dict[str, str], findings: Findings
 ) -> bool:

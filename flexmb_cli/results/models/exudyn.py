@@ -163,6 +163,7 @@ _REFUSED = {
     "couplings": ("couplings of joint coordinates do not convert", "RESULT-072"),
     "curves": ("points on curves do not convert", "RESULT-130"),
     "generals": ("lines JOINT of this type do not convert", "SOLVE-185"),
+    "switches": ("lines CATCH and RELEASE do not convert", "SOLVE-214"),
     "rolls": ("rolling without slip does not convert", "RESULT-140"),
 }
 _REFUSED_LAWS = {

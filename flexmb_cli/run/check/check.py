@@ -142,7 +142,7 @@ def check_deck(
         report.analysis = analysis_of(model)
         module_for(model, "check").check(report, model, run, jacobian)
         elements = getattr(model, "elements", None)
-        if has_outputs(report.deck) or (elements is not None and elements.releases):
+        if has_outputs(report.deck) or (elements is not None and elements.switches):
             from ..solution import complete_solution
 
             complete_solution(model, report.deck, run.with_new_outcome)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import ANALYSIS_FAILED, Fault, ModelError
-from ...model.general_joints import refuse_releases
+from ...model.general_joints import refuse_switches
 from ...model.integrators import METHODS, Integrator
 from ...results.texts.echo import echo
 from ..model import model_of, module_for, open_deck
@@ -168,7 +168,7 @@ def _refuse_rest(model: Any) -> None:
         message = "verify begins both motions where the deck does; leave out this line in a copy of the deck"
         [line] = elements.rests
         raise ModelError([Fault("error", message, line.place, line.name, id="SOLVE-182")])
-    refuse_releases(elements, "verify")
+    refuse_switches(elements, "verify")
 
 
 # Name and units of what elements have, by the paths of their datasets.

@@ -195,6 +195,21 @@ def start_speeds(analysis: ConstrainedState, q: np.ndarray, t: float) -> np.ndar
     return u
 
 
+def struck_speeds(analysis: ConstrainedState, q: np.ndarray, u: np.ndarray, t: float) -> np.ndarray:
+    """Return the speeds (n,) that an inelastic impulse in joints and drivers leaves of u (n,).
+
+    Raises ModelError when drivers ask for speeds that the joints forbid.
+    """
+    evaluate_jacobian(analysis.system, analysis.work, q)
+    nu = analysis.work.rows[GAMMA]
+    fill_nu(analysis.system, t, nu)
+    J, nu = dense_jacobian(analysis.work), nu / analysis.arrays.row_scale
+    particular = _shortest(J, nu)
+    _refuse_contradiction(analysis.arrays.equations, (), J @ particular - nu, t)
+    motions = np.linalg.svd(J)[2][analysis.work.rank[0] :].T
+    return _after_impulse(analysis, q, particular, motions, u, np.ones(u.size, bool))
+
+
 def _speeds_of_many(
     analysis: ConstrainedState,
     q: np.ndarray,

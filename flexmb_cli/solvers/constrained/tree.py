@@ -117,12 +117,13 @@ class AbsoluteTree(ConstrainedMotion):
 def closed_tree(tree: Tree) -> Tree:
     """The tree with initial coordinates and speeds that its closures allow, as Kane's equations find them.
 
-    Gaps of loops that nearly close are left.
+    Gaps of loops that nearly close are left.  Joints that are caught later close nothing here.
     """
-    if not tree.closures:
+    lasting = tuple(c for c in tree.closures if not (c.general and c.general.turned is not None))
+    if not lasting:
         return tree
     drivers = JointElements(drivers=tree.elements.drivers)
-    analysis = TreeAnalysis(replace(tree, elements=drivers))
+    analysis = TreeAnalysis(replace(tree, elements=drivers, closures=lasting))
     hold_functions(analysis.arrays, tree.time.end)
     assemble_tree(analysis)
     y, q, attitudes = (part.copy() for part in parts(analysis.arrays, analysis.state))

@@ -26,6 +26,7 @@ class TreeAnalysis(TreeSteps):
     """One run over the report times of a tree, from the start or from the `checkpoint` of a stopped run."""
 
     rest: np.ndarray | None = None  # state (n,) that it begins with, in place of the deck's
+    continues = False  # whether it continues another motion, whose state `rest` is
 
     def __init__(self, tree: Tree, checkpoint: Mapping[str, np.ndarray] | None = None):
         super().__init__(tree)
@@ -133,7 +134,8 @@ class TreeAnalysis(TreeSteps):
         hold_functions(self.arrays, stop)
         self.clock["stop"] = stop
         if self.row == 0 and not self.resumed:
-            assemble_tree(self)
+            if not self.continues:
+                assemble_tree(self)
             if self.rest is not None:
                 self.state[:] = self.rest
         if not self.resumed:

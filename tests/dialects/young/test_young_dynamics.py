@@ -193,6 +193,7 @@ def test_every_dynamic_deck_stands_in_the_readme():
             "IN-CAM",
             "IN-ELEMENTS",
             "IN-HOLD",
+            "IN-CATCH",
             "IN-LINK",
             "IN-MACHINE",
             "IN-PAIR",

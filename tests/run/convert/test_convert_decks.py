@@ -61,6 +61,8 @@ REFUSED = {
     ("young/dynamics/IN-PID.dat", "dafms"): "signals do not convert",
     ("young/dynamics/IN-MACHINE.dat", "vsdf"): "signals do not convert",
     ("young/dynamics/IN-MACHINE.dat", "dafms"): "signals do not convert",
+    ("young/dynamics/IN-CATCH.dat", "vsdf"): "lines JOINT of this type are not converted",
+    ("young/dynamics/IN-CATCH.dat", "dafms"): "lines JOINT of this type are not converted",
     ("young/dynamics/IN-HOLD.dat", "vsdf"): "lines JOINT of this type are not converted",
     ("young/dynamics/IN-HOLD.dat", "dafms"): "lines JOINT of this type are not converted",
     ("young/dynamics/IN-RAIL.dat", "vsdf"): "points on curves and rolling bodies are not converted",
