@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,17 +14,17 @@ from ...results.hdf5.layout import Layout, Values
 from ...results.hdf5.result_file import empty_result
 from ...results.quantities.quantities import SHOWS_ALL, Quantity, ResultError, resolve
 
-if TYPE_CHECKING:
-    from .switched import SwitchedMotion
-
 SAME_INSTANT = 1e-14  # of the time
 OUTPUT_GROUP = "output/"
 
 
 class Instants:
-    """The instants of the switches of a motion that quantities cause.  Raises ModelError for unknown ones."""
+    """The instants of the switches of a `SwitchedMotion` that quantities cause.
 
-    def __init__(self, motion: "SwitchedMotion", deck: Deck):
+    Raises ModelError for unknown ones.
+    """
+
+    def __init__(self, motion: Any, deck: Deck):
         self.motion = motion
         self.before = motion.stage.time  # time of the last row that was looked at, s
         self.looked = outputs_of(deck, motion.layout)
