@@ -19,6 +19,7 @@ from .laws import SMALL
 from .linalg.vec3 import cross, dot, minus, plus, scaled, store, triple
 
 if TYPE_CHECKING:
+    from ..model.arrays.contacts import Contacts
     from ..model.arrays.signals import Signals
 
 Triple = tuple[float, float, float]
@@ -35,14 +36,16 @@ BY_GAP, SEPARATE, TOUCHING = 0, 1, 2
 
 
 @kernel
-def answer_touch(c: np.ndarray, touch: np.void, signals: "Signals", i: np.void, j: np.void) -> None:
+def answer_touch(
+    c: np.ndarray, touch: np.void, contacts: "Contacts", signals: "Signals", i: np.void, j: np.void
+) -> None:
     """Fill what kernels fill of a TOUCH between placed END records by the numbers c (11,) of a law."""
     axes_i = triple(i["axes"], 0), triple(i["axes"], 3), triple(i["axes"], 6)
     axes_j = triple(j["axes"], 0), triple(j["axes"], 3), triple(j["axes"], 6)
     w_i, w_j = triple(i["angular"], 0), triple(j["angular"], 0)
     d = minus(triple(j["position"], 0), triple(i["position"], 0))
     offset = outward(axes_j, triple(touch["offset_j"], 0))
-    gap, n, arm = nearest(touch, plus(d, offset), axes_i, axes_j)
+    gap, n, arm = nearest(touch, contacts, plus(d, offset), axes_i, axes_j)
     arm_j = plus(offset, plus(arm, scaled(-touch["radius_j"] - 0.5 * gap, n)))
     arm_i = plus(d, arm_j)
     v = minus(triple(j["velocity"], 0), triple(i["velocity"], 0))

@@ -47,7 +47,7 @@ def answer_set(c: np.ndarray, contacts: "Contacts", signals: "Signals", k: int, 
     for n in range(s["first"], s["first"] + s["count"]):
         touch = contacts.touches[n]
         i, j = contacts.ends[touch["end_i"]], contacts.ends[touch["end_j"]]
-        answer_touch(c, touch, signals, i, j)
+        answer_touch(c, touch, contacts, signals, i, j)
         if n == s["first"] or touch["gap"] < answer[COORDINATE]:
             answer[COORDINATE], answer[SPEED] = touch["gap"], touch["rate"]
             store(plus(triple(j["position"], 0), triple(touch["arm_j"], 0)), answer, PLACE)

@@ -5,17 +5,22 @@ Record fields are those of `model.arrays.contacts.TOUCH`.
 """
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ._jit import kernel
+from .contact_mesh import nearest_on_mesh
 from .laws import NO_LENGTH
 from .linalg.vec3 import cross, dot, minus, plus, scaled, triple
+
+if TYPE_CHECKING:
+    from ..model.arrays.contacts import Contacts
 
 Triple = tuple[float, float, float]
 Axes = tuple[Triple, Triple, Triple]  # unit vectors of a body, in global axes
 # Pairs of shapes: that of body i, and that of body j.
-PLANE_BALL, PLANE_RIM, CORES, BOX_BALL, CYLINDER_BALL = 0, 1, 2, 3, 4
+PLANE_BALL, PLANE_RIM, CORES, BOX_BALL, CYLINDER_BALL, MESH_BALL = 0, 1, 2, 3, 4, 5
 
 
 @kernel
@@ -33,7 +38,7 @@ def across(n: Triple) -> Triple:
 
 
 @kernel
-def nearest(c: np.void, d: Triple, axes_i: Axes, axes_j: Axes):
+def nearest(c: np.void, contacts: "Contacts", d: Triple, axes_i: Axes, axes_j: Axes):
     """Gap, its unit normal from i to j, and the point of the core of j nearest to i less its point, m."""
     pair, radii, none = c["pair"], c["radius_i"] + c["radius_j"], (0.0, 0.0, 0.0)
     a = outward(axes_i, triple(c["axis_i"], 0))
@@ -51,6 +56,11 @@ def nearest(c: np.void, d: Triple, axes_i: Axes, axes_j: Axes):
     if pair == CYLINDER_BALL:
         sd, n = _outside_cylinder(a, c["size"][0], d)
         return sd - radii, n, none
+    if pair == MESH_BALL:
+        p = (dot(axes_i[0], d), dot(axes_i[1], d), dot(axes_i[2], d))
+        apart = outward(axes_i, minus(p, nearest_on_mesh(contacts, c, p)))
+        length = math.sqrt(dot(apart, apart))
+        return length - radii, scaled(1.0 / length, apart) if length > NO_LENGTH else axes_i[2], none
     b = outward(axes_j, triple(c["axis_j"], 0))
     s, t = _closest(a, b, d)
     arm = scaled(t, b)

@@ -34,6 +34,7 @@ RECORDS = {
     "LAW": "model.arrays.records:LAW",  # part of other records
     "GROUP": "model.arrays.records:GROUP",
     **{name: f"model.arrays.contacts:{name}" for name in ("CONTACT_SET", "END", "TOUCH", "KEPT")},
+    "MESH_BOX": "model.arrays.meshes:MESH_BOX",
     "FRAME": "model.arrays.tree_frames:FRAME",
     "NODAL_MASS": "model.arrays.tree_frames:NODAL_MASS",
     **{name: f"model.arrays.tree:{name}" for name in ("ELASTIC_BODY", "PRESCRIBED", "CLOSURE_ROW")},
@@ -81,7 +82,7 @@ TUPLES = {
         "f2 f2 f1 b1 b1 f1 NodeFrames TREE_ELEMENT1 TREE_FRICTION1 f3 f1 f2 TREE_ELEMENT1 Signals FUNCTION1 "
         "f2 Contacts int bool",
     ),
-    "Contacts": ("model.arrays.contacts:Contacts", "CONTACT_SET1 END1 TOUCH1 KEPT1 i1 i2"),
+    "Contacts": ("model.arrays.contacts:Contacts", "CONTACT_SET1 END1 TOUCH1 KEPT1 i1 i2 MESH_BOX1 f2"),
     "Signals": ("model.arrays.signals:Signals", "SIGNAL1 i1 i1 f1 f2 f1 f1 f1 f1 f2"),
     "NodeFrames": (
         "model.arrays.node_frames:NodeFrames",

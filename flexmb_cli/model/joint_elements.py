@@ -17,7 +17,7 @@ import numpy as np
 from ..errors import Place
 from .general_joints import GeneralJoint, Switch
 from .joints import JOINT_TYPES, NODE_JOINT_TYPES
-from .laws import Element, Law, is_angle
+from .laws import FRICTION, MOTOR, Element, Law, is_angle
 from .mechanism import Vector
 from .signals import Signal
 from .time_functions import MotionFunction, values_at
@@ -339,3 +339,21 @@ def names_of(elements: JointElements, springs: Iterable[Element] = ()) -> Iterat
     """Yield the name of each part of every spring and element, and the unit of its coordinate, m or rad."""
     for item in (*springs, *elements.forces):
         yield from item.parts
+
+
+def motors_last(elements: Iterable[Element]) -> tuple[Element, ...]:
+    """Return elements in their order, but motors after all others, as results have them."""
+    return tuple(sorted(elements, key=lambda item: item.law is MOTOR))
+
+
+def parts_by_name(elements: Iterable[Element]) -> list[str]:
+    """Return the name of each part of elements in the order of arrays, without friction."""
+    return [name for item in elements if item.law is not FRICTION for name, _ in item.parts]
+
+
+def parts_in_arrays(elements: Iterable[Element]) -> list[tuple[Element, int]]:
+    """Return the element of each part in results, and its place in arrays, which have friction last."""
+    parts = [item for item in elements for _ in item.parts]
+    in_arrays = sorted(range(len(parts)), key=lambda k: parts[k].law is FRICTION)
+    place = {k: n for n, k in enumerate(in_arrays)}
+    return [(item, place[k]) for k, item in enumerate(parts)]

@@ -21,7 +21,7 @@ from these records: a new law is one record here and one branch of `kernels.laws
 """
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -165,6 +165,7 @@ class Touch(NamedTuple):
     more_j: tuple[tuple[int, Any], ...] = ()  # the same of the second
     mutual: bool = False  # both are the same shapes, each of which may touch each
     corners: Any = ()  # (n, 3) of the convex hull of a mesh at the second point, axes of its body, m
+    triangles: Any = ()  # (n, 9) corners of those of a mesh at the first point, axes of its body, m
 
     @property
     def parts(self) -> int:
@@ -223,6 +224,7 @@ PAIRS = (
     "capsule-capsule",
     "cylinder-sphere",
     "box-sphere",
+    "mesh-sphere",
 )
 PARTS_ON_PLANES = {"capsule": 2, "cylinder": 2, "box": 8}
 
@@ -480,21 +482,3 @@ def spring(
     """Return a linear spring and damper."""
     values = SPRING.values(stiffness=stiffness, rest=rest, damping=damping)
     return Element(name, SPRING, measure, values, place)
-
-
-def motors_last(elements: Iterable[Element]) -> tuple[Element, ...]:
-    """Return elements in their order, but motors after all others, as results have them."""
-    return tuple(sorted(elements, key=lambda item: item.law is MOTOR))
-
-
-def parts_by_name(elements: Iterable[Element]) -> list[str]:
-    """Return the name of each part of elements in the order of arrays, without friction."""
-    return [name for item in elements if item.law is not FRICTION for name, _ in item.parts]
-
-
-def parts_in_arrays(elements: Iterable[Element]) -> list[tuple[Element, int]]:
-    """Return the element of each part in results, and its place in arrays, which have friction last."""
-    parts = [item for item in elements for _ in item.parts]
-    in_arrays = sorted(range(len(parts)), key=lambda k: parts[k].law is FRICTION)
-    place = {k: n for n, k in enumerate(in_arrays)}
-    return [(item, place[k]) for k, item in enumerate(parts)]

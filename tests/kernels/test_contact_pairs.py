@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from flexmb_cli.kernels.contact import answer_touch
-from flexmb_cli.model.arrays.contacts import END, fill_contact, touch_records
+from flexmb_cli.model.arrays.contacts import END, ContactTable, fill_contact, touch_records
 from flexmb_cli.model.arrays.records import LAW
 from flexmb_cli.model.arrays.signals import signal_arrays
 from flexmb_cli.model.laws import CONTACT, PAIRS, Element, Touch
@@ -49,10 +49,13 @@ def motion(rng):
 def test_the_rate_of_a_gap_is_its_derivative(pair):
     rng = np.random.default_rng(7)
     c, records = records_of(pair)
+    table = ContactTable()
+    table.mesh(np.random.default_rng(4).normal(size=(6, 9)))
+    contacts = table.arrays()
     for record in records:
         for _ in range(6):
             at, answers = motion(rng), np.repeat(record, 3)
             for t, answer in zip((-STEP, 0.0, STEP), answers, strict=True):
-                answer_touch(c, answer, SIGNALS, *at(t))
+                answer_touch(c, answer, contacts, SIGNALS, *at(t))
             slope = (answers["gap"][2] - answers["gap"][0]) / (2.0 * STEP)
             assert answers["rate"][1] == pytest.approx(slope, abs=1e-7)

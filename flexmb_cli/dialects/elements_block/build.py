@@ -12,7 +12,15 @@ import numpy as np
 from ...deck.record import Number
 from ...model.diagnostics import Findings
 from ...model.general_joints import GeneralJoint, Switch, is_off_at_start
-from ...model.joint_elements import Coupling, Curve, JointDriver, JointElements, JointStart, StartAtRest
+from ...model.joint_elements import (
+    Coupling,
+    Curve,
+    JointDriver,
+    JointElements,
+    JointStart,
+    StartAtRest,
+    motors_last,
+)
 from ...model.laws import (
     BRISTLES,
     FRICTION,
@@ -29,7 +37,6 @@ from ...model.laws import (
     Line,
     Push,
     Touch,
-    motors_last,
 )
 from ...model.time_functions import PERIODIC
 from .bristles import check_bristles

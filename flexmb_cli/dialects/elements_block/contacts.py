@@ -16,8 +16,7 @@ MOST_CORNERS = 2_000  # of the convex hull of a mesh
 _OF_END = ("body", "last", "node", "x", "y", "z", "radius", "axis")
 _KEYS = (
     "normal",
-    "file_to",
-    "unit_to",
+    *(f"{what}_{end}" for end in ("from", "to") for what in ("file", "unit")),
     *(f"{what}_{end}" for end in ("from", "to") for what in ("radius", "axis", "size")),
 )
 
@@ -42,28 +41,39 @@ def touch_of(line: ElementLine, measures: Measures, folder: Path) -> Touch | Non
     shapes: dict[str, Any] = {}
     for key in wanted:
         shapes[key] = line.vector(key) if f"{key}.x" in line else line[key]
-    name = shapes.pop("file_to", None)
     for key, value in shapes.items():
         _check_size(line, measures, key, value)
     if _errors(measures) > before:
         return None
-    fields: dict[str, Any] = {
-        key.replace("from", "i").replace("to", "j"): value for key, value in shapes.items()
-    }
-    if unit := fields.pop("unit_j", None):
-        fields["corners"] = _corners(line, measures, folder / str(name).replace("\\", "/"), unit)
-    if normal := fields.pop("normal", None):
-        fields["axis_i"] = tuple(x / math.hypot(*normal) for x in normal)
+    fields = _fields(line, measures, folder, shapes)
     ends = _ends(line, measures)
     if ends is None or _errors(measures) > before:
         return None
     (i, P_i), *more_i = ends["from"]
     (j, P_j), *more_j = ends["to"]
     same = first == second and all(_texts(line, "from", key) == _texts(line, "to", key) for key in _OF_END)
+    if first == "mesh" and more_i and more_j:
+        message = "a line takes one mesh with several spheres, or several with one; part the line"
+        return measures.error(line, line.at("file_from"), message, id="ELEMENTS-273")
     mutual = bool(more_i) and same
     return Touch(
         i, j, P_i, P_j, first, second, **fields, more_i=tuple(more_i), more_j=tuple(more_j), mutual=mutual
     )
+
+
+def _fields(line: ElementLine, measures: Measures, folder: Path, shapes: dict[str, Any]) -> dict[str, Any]:
+    """Return the fields of `Touch` of the keys of its shapes, with what their files hold."""
+    fields: dict[str, Any] = {}
+    for key, value in shapes.items():
+        if key == "normal":
+            fields["axis_i"] = tuple(x / math.hypot(*value) for x in value)
+        elif not key.startswith(("file", "unit")):
+            fields[key.replace("from", "i").replace("to", "j")] = value
+    if name := shapes.get("file_to"):
+        fields["corners"] = _corners(line, measures, _path(folder, name), shapes["unit_to"])
+    if name := shapes.get("file_from"):
+        fields["triangles"] = _triangles(line, measures, _path(folder, name), shapes["unit_from"])
+    return fields
 
 
 def _corners(line: ElementLine, measures: Measures, file: Path, unit: float) -> Any:
@@ -85,6 +95,22 @@ def _corners(line: ElementLine, measures: Measures, file: Path, unit: float) -> 
         )
         return measures.error(line, line.at("file_to"), message, id="ELEMENTS-143")
     return corners
+
+
+def _triangles(line: ElementLine, measures: Measures, file: Path, unit: float) -> Any:
+    """Return the corners (n, 9) of the triangles of a mesh, m; a fault if the file has none."""
+    from ...fe.formats.matrix_file import FEFileFault
+    from ...fe.formats.stl import read_stl
+
+    try:
+        vertices, triangles = read_stl(file)
+    except FEFileFault as fault:
+        return measures.error(line, line.at("file_from"), str(fault), id=fault.id)
+    return unit * vertices[triangles].reshape(-1, 9)
+
+
+def _path(folder: Path, name: object) -> Path:
+    return folder / str(name).replace("\\", "/")
 
 
 def _texts(line: ElementLine, end: str, key: str) -> list[Any]:
@@ -137,6 +163,8 @@ def _errors(measures: Measures) -> int:
 
 
 def _check_size(line: ElementLine, measures: Measures, key: str, value: Any) -> None:
+    if key.startswith("file"):
+        return
     is_vector = isinstance(value, tuple)
     if key.startswith(("normal", "axis")):
         wrong = not math.hypot(*value) > 0.0

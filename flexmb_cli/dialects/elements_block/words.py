@@ -48,6 +48,7 @@ OF_FIRST: dict[str, tuple[str, ...]] = {
     "plane": ("normal",),
     "sphere": ("radius_from",),
     "box": ("size_from",),
+    "mesh": ("file_from", "unit_from"),
 }
 OF_FIRST |= dict.fromkeys(("capsule", "cylinder"), ("axis_from", "radius_from"))
 OF_SECOND: dict[str, tuple[str, ...]] = {"point": (), "sphere": ("radius_to",), "box": ("size_to",)}
@@ -126,6 +127,8 @@ _OF_MANY = "; 2-9(x,y,z) or 2-9:node are shapes of bodies 2 to 9, 2:1-5 of nodes
 _SETS = tuple(key._replace(meaning=key.meaning + _OF_MANY) for key in _ENDS)
 _SHAPES = (
     Key("normal", "outward normal of the plane through `from`, axes of its body", VECTOR),
+    Key("file_from", "STL file of the mesh at `from`, in the axes of its body; its triangles touch", FILE),
+    Key("unit_from", "metres in a unit of the file", units=("m", "m")),
     Key("file_to", "STL file of the mesh at `to`, in the axes of its body; its convex hull touches", FILE),
     Key("unit_to", "metres in a unit of the file", units=("m", "m")),
     *(

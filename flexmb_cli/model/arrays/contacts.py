@@ -9,12 +9,13 @@ import numpy as np
 
 from ..laws import CONTACT, Element, Touch
 from .function_table import fill_law
+from .meshes import MESH_BOX, mesh_boxes
 from .records import NONE
 
 # The codes of kernels.contact_shapes; a test compares them.
-PLANE_BALL, PLANE_RIM, CORES, BOX_BALL, CYLINDER_BALL = 0, 1, 2, 3, 4
+PLANE_BALL, PLANE_RIM, CORES, BOX_BALL, CYLINDER_BALL, MESH_BALL = 0, 1, 2, 3, 4, 5
 ANSWER_COLUMNS, CONTACT_COLUMNS = 8, 16
-_OF_BALLS = {"plane": PLANE_BALL, "box": BOX_BALL, "cylinder": CYLINDER_BALL}
+_OF_BALLS = {"plane": PLANE_BALL, "box": BOX_BALL, "cylinder": CYLINDER_BALL, "mesh": MESH_BALL}
 # Pairs that a shape among many has at most: balls of one size have 6 that touch.
 PAIRS_OF_AN_END = 12
 SKIN = 0.5  # of the radius of the sphere about the largest shape, by which pairs are near before they touch
@@ -24,7 +25,7 @@ TOUCH = np.dtype(
     [
         ("end_i", np.int64),  # END of the first shape
         ("end_j", np.int64),  # END of the second
-        ("pair", np.int64),  # PLANE_BALL, PLANE_RIM, CORES, BOX_BALL, CYLINDER_BALL
+        ("pair", np.int64),  # a code of `kernels.contact_shapes`
         ("axis_i", np.float64, 3),  # unit normal of a plane, else core from its point on, axes of i, m
         ("axis_j", np.float64, 3),  # unit axis of a rim, else core from its point on, axes of j, m
         ("offset_j", np.float64, 3),  # from the point of j to that of its core, axes of j, m
@@ -32,7 +33,9 @@ TOUCH = np.dtype(
         ("radius_i", np.float64),  # around the core of i, m
         ("radius_j", np.float64),  # around the core of j, m
         ("bristle", np.int64),  # the first of three states of its bristles, axes of i, -1: none
+        ("first_box", np.int64),  # of its mesh
         # What kernels fill, in global axes:
+        ("triangle", np.int64),  # of its mesh, the nearest
         ("gap", np.float64),  # negative where the shapes overlap, m
         ("rate", np.float64),  # of the gap, m/s
         ("effort", np.float64),  # normal force, N
@@ -121,6 +124,8 @@ class Contacts(NamedTuple):
     kept: np.ndarray  # KEPT records, one for each TOUCH
     heads: np.ndarray  # (buckets,) first END of each chain, -1: none
     joined: np.ndarray  # (pairs, 2) END numbers, in order
+    boxes: np.ndarray  # MESH_BOX records of meshes
+    triangles: np.ndarray  # (n, 9) their corners, axes of their bodies from their points on, m
 
 
 class ContactTable:
@@ -134,6 +139,8 @@ class ContactTable:
         self._never: list[tuple[int, int]] = []
         self._buckets = 0
         self.bristles = 0
+        self._boxes: list[np.ndarray] = []
+        self._triangles: list[np.ndarray] = []
 
     def new_bristles(self, number: int) -> int:
         """Return the first of a number of new states of bristles."""
@@ -147,8 +154,17 @@ class ContactTable:
         """
         touch: Touch = item.measure
         shapes = touch_records(touch)
+        if touch.first == "mesh":
+            shapes["first_box"], shapes["triangle"] = self.mesh(touch.triangles)
         groups = [shapes] if len(item.parts) == 1 else [shapes[k : k + 1] for k in range(len(shapes))]
         return np.array([self._set(touch, group, place, item.sticks) for group in groups])
+
+    def mesh(self, triangles: np.ndarray) -> tuple[int, int]:
+        """Add a mesh of triangles (n, 9), m; return its first box and its first triangle."""
+        box, first = sum(map(len, self._boxes)), sum(map(len, self._triangles))
+        self._boxes.append(mesh_boxes(triangles, box, first))
+        self._triangles.append(triangles)
+        return box, first
 
     def arrays(self) -> Contacts:
         """Return what the kernels read."""
@@ -160,6 +176,8 @@ class ContactTable:
             np.zeros(len(touches), KEPT),
             np.zeros(self._buckets, np.int64),
             np.array(self._never, np.int64).reshape(-1, 2),
+            np.concatenate([np.zeros(0, MESH_BOX), *self._boxes]),
+            np.concatenate([np.zeros((0, 9)), *self._triangles]),
         )
 
     def _set(

@@ -11,22 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..flexible_mechanism import NodePoint, PointJoint
-from ..joint_elements import COORDINATES_OF, JointElements
+from ..joint_elements import COORDINATES_OF, JointElements, parts_by_name
 from ..joints import ANGLE, BY_NAME, PITCH, STROKE
-from ..laws import (
-    FRICTION,
-    SPRING,
-    Along,
-    At,
-    Cam,
-    Element,
-    Frames,
-    Line,
-    Push,
-    Touch,
-    is_angle,
-    parts_by_name,
-)
+from ..laws import FRICTION, SPRING, Along, At, Cam, Element, Frames, Line, Push, Touch, is_angle
 from ..time_functions import SIGNAL, MotionFunction
 from .constraint_table import PrimitiveTable
 from .contacts import END, fill_contact

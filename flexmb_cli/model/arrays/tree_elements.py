@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..laws import FRICTION, Along, At, Cam, Frames, Push, Touch, parts_by_name
+from ..joint_elements import parts_by_name
+from ..laws import FRICTION, Along, At, Cam, Frames, Push, Touch
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from .contacts import END, ContactTable, columns_of_answers, fill_contact
 from .function_table import FunctionTable, fill_bushing, fill_law

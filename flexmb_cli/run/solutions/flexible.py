@@ -6,6 +6,8 @@ from functools import partial
 from hashlib import sha256
 from typing import Any
 
+import numpy as np
+
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.integrators import METHODS, Integrator, word_of
 from ...model.unit_checks import unit_warnings
@@ -57,7 +59,9 @@ def _digest(system: Any) -> str:
     """A digest of the reduced bodies: a deck names files that may have changed since."""
     digest = sha256()
     # The rest of contacts changes with time, and what signals do is in the deck.
-    arrays = system._replace(contacts=system.contacts.touches["offset_j"])._asdict()
+    contacts = system.contacts
+    shapes = np.concatenate([contacts.touches["offset_j"].ravel(), contacts.triangles.ravel()])
+    arrays = system._replace(contacts=shapes)._asdict()
     for name, array in arrays.items():
         if name != "signals":
             digest.update(array.tobytes())

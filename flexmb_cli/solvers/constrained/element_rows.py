@@ -13,8 +13,8 @@ from ...model.arrays.dynamic import DynamicArrays
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.general_joints import GeneralJoint
-from ...model.joint_elements import JointElements, names_of
-from ...model.laws import CONTACT, DRIVING, FRICTION, parts_in_arrays
+from ...model.joint_elements import JointElements, names_of, parts_in_arrays
+from ...model.laws import CONTACT, DRIVING, FRICTION
 from ...model.loads import DynamicModel
 from ...model.vectors import cross_rows
 from .flexible_rows import FlexibleRows, flexible_rows

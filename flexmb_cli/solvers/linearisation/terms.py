@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from ...model.flexible_mechanism import NodePoint
-from ...model.joint_elements import JointElements
-from ...model.laws import DRIVING, parts_in_arrays
+from ...model.joint_elements import JointElements, parts_in_arrays
+from ...model.laws import DRIVING
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from ...model.arrays.tree import TreeArrays, body_frames
-from ...model.laws import DRIVING, parts_in_arrays
+from ...model.joint_elements import parts_in_arrays
+from ...model.laws import DRIVING
 from ...model.tree import ELASTIC, INERTIAL, ROTATION, Coordinate
 from ..constrained.tree_element_rows import TreeElementRows
 from ..tree.loop_assembly import gap_rates

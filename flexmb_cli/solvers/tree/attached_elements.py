@@ -7,7 +7,8 @@ from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...kernels.laws import COORDINATE, NORMAL
 from ...model.arrays.tree_elements import IN_LINE, OF_BUSHING
-from ...model.laws import BUSHING, CONTACT, parts_in_arrays
+from ...model.joint_elements import parts_in_arrays
+from ...model.laws import BUSHING, CONTACT
 from ...model.tree import Tree
 from ..constrained.elements_at_start import notes_of_pressed_elements, refuse_undirected_lines
 from ..constrained.failures import bushing_failure, crowd_failure, jam_failure

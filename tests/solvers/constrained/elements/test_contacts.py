@@ -76,7 +76,7 @@ def on_plane(law, radius=0.05, normal="(0,0,1)"):
 def test_codes_are_those_of_the_kernels():
     assert CONTACT.code == kernel.CONTACT
     assert arrays.CONTACT_COLUMNS == kernel.CONTACT_COLUMNS
-    names = ("PLANE_BALL", "PLANE_RIM", "CORES", "BOX_BALL", "CYLINDER_BALL")
+    names = ("PLANE_BALL", "PLANE_RIM", "CORES", "BOX_BALL", "CYLINDER_BALL", "MESH_BALL")
     assert [getattr(arrays, name) for name in names] == [getattr(contact_shapes, name) for name in names]
     assert {tuple(pair.split("-")) for pair in PAIRS} <= {(a, b) for a in OF_FIRST for b in OF_SECOND}
 
