@@ -47,9 +47,10 @@ EMULATION = ("With the known errors of", "the program of 1996 (--as-printed)")
 @click.option("--to", "stop", type=Finite(), metavar="T", help="End with the row at T seconds.")
 @click.option("--every", type=click.IntRange(1), default=1, metavar="N", help="Every N-th row of these.")
 @in_units(" or get a prefix")
-@click.option("--kind", type=click.Choice(["auto", "curve", "map", "scatter", "parallel"]), default="auto",
+@click.option("--kind", type=click.Choice(["auto", "curve", "map", "scatter", "parallel", "tolerances"]),
+              default="auto",
               help="Type of the picture of a study: curve over one parameter, map over two, scatter, "
-              "parallel coordinates.")  # fmt: skip
+              "parallel coordinates, shares of tolerances.")  # fmt: skip
 @click.option("--title", default=None, help="Text above the curves [default: the names of the decks].")
 @click.option("--width", type=Millimetres(20, 1000), metavar="MM",
               help="Draw for print, MM millimetres wide (or 8.5cm, 3.5in): thin lines, small letters, "
@@ -160,6 +161,7 @@ def _study_plot(
         names_series,
         study_picture,
     )
+    from ..study.scatter import shares_picture
     from ..study.text import cases_table, open_study
 
     path, kind, title = notices.file, options["kind"], options["title"]
@@ -175,6 +177,9 @@ def _study_plot(
         return content, f"{len(family.times)} cases of {', '.join(family.series)}{left_out}"
     kind = kind_for(cases) if kind == "auto" else kind
     try:
+        if kind == "tolerances":
+            with open_study(path) as file:
+                return _drawn(shares_picture, (file, form, title), options, notices), "shares of tolerances"
         content = _drawn(study_picture, (cases, kind, form, title), options, notices)
     except UnsuitedStudy as fault:
         raise WrongCall(f"{path}: {fault}", id="CLI-031") from fault

@@ -221,9 +221,10 @@ def _result_page(path: str, bodies: "BodyLook", looks: dict[str, Any]) -> tuple[
 def _study_page(path: str) -> bytes:
     from ..study.figures import study_page
     from ..study.fit_page import fit_part
+    from ..study.scatter import scatter_part
     from ..study.text import cases_table, open_study
 
     library = needed("plotly.offline", "plotly", "report", "flexmb report of a study").get_plotlyjs()
     with open_study(path) as file:
         cases, study = cases_table(file, (), path), file["study"].asstr()[()]
-        return study_page(cases, study, library, fit_part(file)).encode("utf-8")
+        return study_page(cases, study, library, fit_part(file) or scatter_part(file)).encode("utf-8")

@@ -19,7 +19,7 @@ from .options.deck_options import LOOP_TOLERANCE
 from .options.output_file import AS_JSON, FORCE, VERBOSE, WrittenPlace, files, refuse_inputs
 from .terminal.notices import Notices
 from .terminal.progress import Progress
-from .terminal.screen import WrongCall, notify, say
+from .terminal.screen import WrongCall, notify, say, show
 
 if TYPE_CHECKING:
     from ..study.sweep import Sweep
@@ -79,8 +79,12 @@ def sweep(
         # Workers that are still solving end with this process; whole cases are kept.
         os._exit(exit_code)
     _report(notices, output, made, failures)
+    scatter = made.scatter
+    if scatter and not (quiet or as_json):
+        show("".join(f"{line}\n" for line in scatter.lines()))
+    more = {"scatter": scatter.record()} if scatter else {}
     status, exit_code = ("failed", ANALYSIS_FAILED) if made.failed else ("complete", DONE)
-    notices.end(status, exit_code, cases=made.job.study.cases, failed=made.failed, file=output)
+    notices.end(status, exit_code, cases=made.job.study.cases, failed=made.failed, file=output, **more)
     sys.exit(exit_code)
 
 
@@ -184,5 +188,6 @@ def _report(notices: Notices, output: str, made: "Sweep", failures: Any) -> None
         more = f"{made.failed - len(failures)} more cases failed; flexmb table {output} message"
         notices.say(f"{study}: {more}")
         notices.faults.append((study, Fault("error", more, id="STUDY-032")))
+    notices.add(made.faults)
     reported = f", {made.failed} failed" if made.failed else ""
     notices.say(f"{study}: {cases} cases{reported} → {output}")

@@ -13,7 +13,7 @@ from ..results.figures.look import COLOURS, GRID, NARROWEST, PANEL, TICKS, Look
 from ..results.figures.plots import HEIGHT, WIDTH, figure_bytes, fit_figure, shown
 from ..results.figures.report_page import json_text, script_hash, shown_html
 from ..results.quantities.quantities import ResultError
-from .fit_page import FitPart
+from .study_part import StudyPart
 from .text import EXIT_CODE, CasesTable, StudyColumn, cases_table, chosen_columns, study_columns
 
 if TYPE_CHECKING:
@@ -327,7 +327,7 @@ PAGE = """<!doctype html>
 .plot {{ width: 100%; height: 30em }} pre {{ overflow-x: auto; background: #f4f4f4; padding: 1em }}</style>
 <script>{library}</script></head><body>
 <h1>{title}</h1><p>{counts}</p>
-{fit}<h2>Parallel coordinates</h2><div class="plot" id="parallel"></div>
+{part}<h2>Parallel coordinates</h2><div class="plot" id="parallel"></div>
 <h2>Results</h2>{places}
 <h2>Study</h2><pre>{study}</pre>
 <script>{drawing}</script></body></html>
@@ -345,9 +345,9 @@ POLICY = (
 )
 
 
-def study_page(cases: CasesTable, study: str, library: str, fit: FitPart | None = None) -> str:
-    """Return the page; `study` is the text of the study, `library` that of plotly.js, `fit`: of a fit."""
-    figures = {"parallel": _parallel_data(cases)} | (fit.figures if fit else {})
+def study_page(cases: CasesTable, study: str, library: str, part: StudyPart | None = None) -> str:
+    """Return the page; `study`: text of the study, `library`: plotly.js, `part`: of a fit or tolerances."""
+    figures = {"parallel": _parallel_data(cases)} | (part.figures if part else {})
     figures |= {f"result{n}": _result(cases, name) for n, name in enumerate(cases.results)}
     places = "".join(f'<div class="plot" id="{name}"></div>' for name in figures if name.startswith("result"))
     solved = len(next(iter(cases.results.values())))
@@ -356,7 +356,7 @@ def study_page(cases: CasesTable, study: str, library: str, fit: FitPart | None 
     return PAGE.format(
         policy=POLICY.format(scripts=f"{script_hash(library)} {script_hash(drawing)}"), library=library,
         title=shown_html(f"Study of {cases.deck_name}"), counts=counts, places=places,
-        study=shown_html(study), drawing=drawing, fit=fit.text if fit else "",
+        study=shown_html(study), drawing=drawing, part=part.text if part else "",
     )  # fmt: skip
 
 

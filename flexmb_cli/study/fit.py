@@ -18,8 +18,9 @@ from ..version import __version__
 from .checkpoints import Parts, RecordForm, StudyLock
 from .fit_file import Fit, Target, read_fit
 from .fit_search import Search, confidence
-from .fit_variants import DIFFERENCE, LEAST_SHARE, Variant, curve_of, reached
+from .fit_variants import LEAST_SHARE, Variant, curve_of, reached
 from .fit_workers import FitJob, Processes, Solve, Task, solver_of, solving_here
+from .repeated_motion import DIFFERENCE
 from .solver import CaseResult, CaseSolver
 from .study import Cases
 from .sweep import readable_deck, reported_at, study_text

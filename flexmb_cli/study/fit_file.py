@@ -151,6 +151,8 @@ class _FitReader(StudyReader):
             return None
         start = item.get("start")
         varied = self._varied(name, {key: item[key] for key in item if key != "start"}, sampled=True)
+        if varied and varied.tolerance:
+            return self._wrong(name, "has bounds, from and to, in a fit, and no tolerance", "STUDY-141")
         if varied is None or start is None:
             return varied
         if not is_number(start) or not min(varied.values) <= start <= max(varied.values):

@@ -1,51 +1,39 @@
 """The part of a page that shows a fit: numbers with their intervals, history, targets and paths."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import h5py
 import numpy as np
 
 from ..results.figures.report_page import shown_html
+from .study_part import StudyPart, place_of, table_html
 from .text import EXIT_CODE
 
 GROUP = "fit"
 
 
-@dataclass(frozen=True)
-class FitPart:
-    """`text`: HTML with the places of `figures`, which are those of plotly.js by place."""
-
-    text: str
-    figures: dict[str, Any]
-
-
-def fit_part(table: h5py.File) -> FitPart | None:
+def fit_part(table: h5py.File) -> StudyPart | None:
     """Return what the page shows of the fit in an open table, None of another study."""
     if GROUP not in table:
         return None
     group = table[GROUP]
     figures: dict[str, Any] = {"history": _history(table)}
-    text = f"<h2>Numbers</h2>{_numbers(group)}<h2>History</h2>{_place('history')}"
+    text = f"<h2>Numbers</h2>{_numbers(group)}<h2>History</h2>{place_of('history')}"
     targets = group.get("target", {})
     for number, name in enumerate(targets):
         figures[f"target{number}"] = _target(targets[name])
-        text += f"<h2>Target {shown_html(name)}</h2>{_place(f'target{number}')}"
-    return FitPart(text, figures)
-
-
-def _place(name: str) -> str:
-    return f'<div class="plot" id="{name}"></div>'
+        text += f"<h2>Target {shown_html(name)}</h2>{place_of(f'target{number}')}"
+    return StudyPart(text, figures)
 
 
 def _numbers(group: h5py.Group) -> str:
-    rows = "<tr><th>number</th><th>value</th><th>standard error</th><th>95 % interval</th></tr>"
     columns = (group[name][:] for name in ("value", "standard_error", "low", "high"))
+    rows = []
     for name, value, error, low, high in zip(group["number"].asstr()[:], *columns, strict=True):
         interval = f"{low:.9g} to {high:.9g}" if np.isfinite(low) else "none"
         cells = (shown_html(name), f"{value:.12g}", f"{error:.3g}" if np.isfinite(error) else "", interval)
-        rows += f"<tr>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
-    return f"<table>{rows}</table>"
+        rows.append(cells)
+    return table_html(("number", "value", "standard error", "95 % interval"), rows)
 
 
 def _history(table: h5py.File) -> dict[str, Any]:

@@ -9,16 +9,13 @@ import numpy as np
 from ..deck.record import Deck
 from ..errors import ANALYSIS_FAILED, DONE, FlexmbError
 from ..run.outcome import RunOptions
-from ..run.solutions import Solution
-from ..solvers.linearisation.motion import differentiated
 from .continuous import nearest, spline
 from .fit_file import AT_LEAST, EQUAL, Fit, Target
-from .sensitivity import OfRun, type_of
+from .repeated_motion import DIFFERENCE, RepeatedMotion
 from .solver import NO_SERIES, CaseResult, CaseSolver
 
 SAMPLES_A_ROW = 4  # of a path between two report rows
 LEAST_SHARE = 0.01  # of the range of a number: its size if its value is less
-DIFFERENCE = 1e-4  # of the size of a number
 
 
 @dataclass(frozen=True)
@@ -40,43 +37,6 @@ class Variant:
         """Return residuals, or the objective, and then the excess of the constraints."""
         head = self.residuals if self.residuals.size else np.array([self.cost])
         return np.concatenate([head, self.excess])
-
-
-class RepeatedMotion:
-    """A motion whose neighbours repeat its steps: `columns` (rows, k) of what is taken of it, and modes.
-
-    Raises FlexmbError.
-    """
-
-    def __init__(self, cases: CaseSolver, row: list[float]):
-        self.cases, self.row = cases, list(row)
-        self.time: np.ndarray = np.zeros(0)
-        self.columns: np.ndarray = np.zeros((0, 0))
-        self._run: OfRun | None = None
-        if cases.moving:
-            solution = cases.prepared(self._changed(0, 0.0))
-            self._run = type_of(solution)(self._neighbour, cases.moving, solution)
-            self._run.one_neighbour = True
-            self.time, self.columns = self._run.time, self._run.values
-        self.modes = self._modes(0, 0.0)
-
-    def _changed(self, k: int | str, change: float) -> list[float | int]:
-        changed = [value + change * (j == int(k)) for j, value in enumerate(self.row)]
-        return self.cases.study.complete(changed)
-
-    def _neighbour(self, k: str, change: float) -> Solution:
-        return self.cases.prepared(self._changed(k, change))
-
-    def _modes(self, k: int, change: float) -> np.ndarray:
-        return self.cases.modes(self._changed(k, change))
-
-    def derivatives(self, k: int, scale: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return those of `columns` and of `modes` by parameter k, whose size is `scale`."""
-        columns = self._run.derivative(str(k), scale) if self._run else self.columns
-        if not self.modes.size:
-            return columns, self.modes
-        h = DIFFERENCE * scale
-        return columns, (self._modes(k, h) - self._modes(k, -h)) / (2.0 * h)
 
 
 class VariantSolver:
@@ -123,24 +83,12 @@ class VariantSolver:
             # A number by a formula is nan.
             if self._motion is None or not np.array_equal(self._motion.row, row, equal_nan=True):
                 self._motion = None  # whose memory is free before
-                self._motion = RepeatedMotion(self.cases, row)
-            derivatives = self._along(self._motion, k, scale)
+                self._motion = RepeatedMotion(self.cases, row, one_neighbour=True)
+            derivatives = self._motion.derivatives(k, scale, self._values)
         except (FlexmbError, ValueError, np.linalg.LinAlgError):
             derivatives = self._difference(row, k, DIFFERENCE * scale)
         parameters = np.array(self.fit.study.complete(list(row)), dtype=float)
         return CaseResult(number, DONE, 0, parameters, derivatives, NO_SERIES)
-
-    def _along(self, motion: RepeatedMotion, k: int, scale: float) -> np.ndarray:
-        """Return the derivatives of what is taken of a motion and its modes, along those of these."""
-        slopes, of_modes = motion.derivatives(k, scale)
-
-        def values(change: float) -> np.ndarray:
-            parts = motion.columns + change * slopes, motion.modes + change * of_modes
-            case = self.cases.taken_of(motion.row, motion.time, *parts)
-            return np.concatenate([case.values, self._residuals(case)])
-
-        derivatives: np.ndarray = differentiated(values, DIFFERENCE * scale)
-        return derivatives
 
     def _difference(self, row: list[float], k: int, step: float) -> np.ndarray:
         """Return the difference of variants on both sides, or of one and the place itself.
@@ -165,6 +113,9 @@ class VariantSolver:
     def series_of(self, case: CaseResult) -> dict[str, np.ndarray]:
         """Return the series of a case by the names of their quantities."""
         return dict(zip(self.names, case.series, strict=True))
+
+    def _values(self, case: CaseResult) -> np.ndarray:
+        return np.concatenate([case.values, self._residuals(case)])
 
     def _residuals(self, case: CaseResult) -> np.ndarray:
         return np.concatenate([*(self._residuals_of(target, case) for target in self.fit.targets), ()])

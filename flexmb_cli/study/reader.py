@@ -67,7 +67,7 @@ MOST_CASES = 100_000_000
 MOST_VALUES = 1_000_000  # of one parameter
 KEYS = ("deck", "dialect", "sampling", "together", "count", "seed", "parameters", "results")
 _WINDOW = re.compile(r"(.*?)(?:\s+from\s+(\S+))?(?:\s+to\s+(\S+))?\s*")
-RANGE_KEYS = ("from", "to", "count", "scale")
+RANGE_KEYS = ("from", "to", "count", "scale", "value", "tolerance")
 SCALES = ("linear", "log")
 
 
@@ -258,6 +258,8 @@ class StudyReader:
             self._fault(name, message, self._place(name_in_full), id="STUDY-042")
             return None
         self._refuse_unknown(given, RANGE_KEYS, name)
+        if "tolerance" in given or "value" in given:
+            return self._toleranced(name, given, sampled)
         start, end, scale = given.get("from"), given.get("to"), given.get("scale", SCALES[0])
         if not is_number(start) or not is_number(end):
             self._fault(name, "a range needs finite numbers `from` and `to`", id="STUDY-043")
@@ -279,6 +281,16 @@ class StudyReader:
             return None
         values = _spaced(start, end, count, scale == "log")
         return Varied(name, values, place=self._place(name))
+
+    def _toleranced(self, name: str, given: dict[Any, Any], sampled: bool) -> Varied | None:
+        """Return a number that lies anywhere within a tolerance of its value."""
+        value, tolerance = given.get("value"), given.get("tolerance")
+        if not sampled or len(given) > 2 or not (is_number(value) and is_number(tolerance) and tolerance > 0):
+            form = f"{{ value = 0.25, tolerance = 0.001 }}, in a study with sampling = {LATIN!r}"
+            self._fault(name, f"a number with a tolerance is written {form}", id="STUDY-140")
+            return None
+        ends = float(value - tolerance), float(value + tolerance)
+        return Varied(name, ends, place=self._place(name), tolerance=float(tolerance))
 
     def _kept(self, name: str, given: str) -> Kept | None:
         take, _, quantity = given.strip().partition(" ") if isinstance(given, str) else ("", "", "")

@@ -25,6 +25,7 @@ class Varied:
 
     A single value is that of all cases.  `logarithmic`: a sample is even in the logarithm of the number.
     `place`: in the study's file.  `formula`: its value by those of other parameters, in place of values.
+    `tolerance`: the ends are so far from its value; 0 of a range.
     """
 
     name: str
@@ -32,6 +33,7 @@ class Varied:
     logarithmic: bool = False
     place: Place | None = None
     formula: Formula | None = None
+    tolerance: float = 0.0
 
 
 @dataclass(frozen=True)

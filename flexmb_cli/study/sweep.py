@@ -5,13 +5,13 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 from ..deck.record import Deck, DeckText, Lines
 from ..deck.text import read_text
 from ..dialects.recognise import CHOOSES, open_text, read_deck
-from ..errors import ANALYSIS_FAILED, INTERNAL_FAULT, DeckError, Fault, OutputError
+from ..errors import ANALYSIS_FAILED, INTERNAL_FAULT, DeckError, Fault, FlexmbError, OutputError
 from ..memory import with_present_objects_frozen
 from ..run.outcome import Listener, RunOptions, Stop
 from ..version import __version__
@@ -86,6 +86,7 @@ class Sweep:
     solver: CaseSolver
     lock: StudyLock
     restored: bool = False
+    faults: list[Fault] = field(default_factory=list)
     kept: dict[int, int] = field(default_factory=dict)
     done: dict[int, BlockDone] = field(default_factory=dict)
 
@@ -145,6 +146,23 @@ class Sweep:
             self.job.parts.remove()
         finally:
             self.lock.leave()
+
+    @cached_property
+    def scatter(self) -> Any:
+        """Return the scatter by tolerances when all cases are there, None without.
+
+        If the middle of the ranges cannot be solved, `faults` say so.
+        """
+        if not any(item.tolerance for item in self.job.study.parameters):
+            return None
+        from .scatter import scatter_of
+
+        try:
+            return scatter_of(self.solver, list(self.results()))
+        except FlexmbError as failure:
+            message = f"no scatter: in the middle of the ranges {failure.faults[0].sentence}"
+            self.faults.append(Fault("warning", message, id="STUDY-142"))
+            return None
 
     @property
     def failed(self) -> int:
@@ -275,7 +293,10 @@ def write_study_table(path: str, sweep: Sweep) -> None:
 def _head(sweep: Sweep) -> TableHead:
     deck = sweep.deck.source
     columns = (*_parameter_columns(sweep), *_result_columns(sweep))
-    return TableHead(sweep.study_text.text, deck.text, deck.name, deck.sha256, columns, sweep.job.study.cases)
+    summary = tuple(sweep.scatter.datasets()) if sweep.scatter else ()
+    return TableHead(
+        sweep.study_text.text, deck.text, deck.name, deck.sha256, columns, sweep.job.study.cases, summary
+    )
 
 
 def _parameter_columns(sweep: Sweep) -> Iterator[Column]:

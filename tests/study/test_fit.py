@@ -283,6 +283,7 @@ TARGET = 'x = { quantity = "body.2.x", times = [0, 1], values = [1, 2] }'
         ({"top": 'constraints = ["stiffness <= 3"]\nmethod = "least-squares"'}, "STUDY-120"),
         ({"parameters": "damping = [1, 2]"}, "STUDY-121"),
         ({"parameters": "damping = { from = 0, to = 1, start = 2 }"}, "STUDY-122"),
+        ({"parameters": "damping = { value = 1, tolerance = 0.1 }"}, "STUDY-141"),
         ({"parameters": 'damping = "2*mass"'}, "STUDY-112"),
         ({"parameters": 'damping = "2*mass"\nmass = "damping"'}, "STUDY-113"),
         ({"parameters": 'damping = "2*"'}, "STUDY-114"),
