@@ -6,9 +6,9 @@ from typing import Any
 from ..model.diagnostics import Findings
 from ..model.flexible_body import FEFile, FlexibleInput
 from .elements.assembled_matrices import element_matrix
-from .elements.beams import matrix_of_beams
 from .elements.body_elements import element_table
-from .formats.formats import OF_BEAMS, OF_ELEMENTS, read_matrix
+from .elements.structures import matrix_of_structures
+from .formats.formats import OF_ELEMENTS, OF_STRUCTURES, read_matrix
 from .formats.matrix_file import FEFileFault, MatrixFile
 from .interface_nodes import tied
 
@@ -26,8 +26,8 @@ def matrix_file(given: Any, file: FEFile, letter: str, findings: Findings) -> Ma
 
 def _matrix(given: Any, file: FEFile, letter: str, findings: Findings) -> MatrixFile | None:
     """The matrix of all nodes that the files have; None with a fault noted.  Raises FEFileFault."""
-    if file.form == OF_BEAMS:
-        return matrix_of_beams(given.material, letter)
+    if file.form == OF_STRUCTURES:
+        return matrix_of_structures(given.material, letter)
     if file.form == OF_ELEMENTS:
         table = element_table(given, given.material.file, given.positions, findings)
         return element_matrix(given, table, letter) if table else None

@@ -11,7 +11,7 @@ from .body_basis import Basis, basis_of
 from .body_figures import completed_mass, doubtful_frequencies, effective_limit, modal_damping
 from .body_files import matrix_file
 from .estimated_moments import rigid_mass, row_invariants
-from .formats.formats import OF_BEAMS, OF_ELEMENTS
+from .formats.formats import OF_ELEMENTS, OF_STRUCTURES
 from .formats.matrix_file import FEFileFault, MatrixFile
 from .input_checks import check_damping
 from .invariants import effective_masses
@@ -44,7 +44,7 @@ def row_body(
 def _check_settings(given: FlexibleInput, matrices: RowMatrices, findings: Findings) -> None:
     """Refuse settings that need elements, or rows that the body lacks."""
     rows = matrices.rows
-    if given.stiffening or (given.material and given.mass.form not in (OF_BEAMS, OF_ELEMENTS)):
+    if given.stiffening or (given.material and given.mass.form not in (OF_ELEMENTS, OF_STRUCTURES)):
         message = (
             "stresses, and stiffening by elements, need full matrices of solid elements; these have "
             "rotations, modal rows or a condensed mass: remove MATL, and give geometric stiffness by FEMG"

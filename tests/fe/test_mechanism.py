@@ -13,7 +13,7 @@ from tests.dialects.vsdf.vsdf_decks import DECKS, RIGID, build, changed, read, s
 
 # Nine modes are the paper's pendulum and rod.
 STRAPS = dict.fromkeys(("strap_coarse", "strap_medium", "strap_fine"), 3)
-ROWS = dict.fromkeys(("beam_on_crank", "frame_on_shaft"), 16) | {"beam_elements": 10}
+ROWS = dict.fromkeys(("beam_on_crank", "frame_on_shaft"), 16) | {"beam_elements": 10, "shell_panel": 8}
 MODES = {"spinup": 12, "slider_crank_flex": 6, "slider_crank_stress": 6, "blade": 144, **STRAPS, **ROWS}
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...deck.many_records import DeckValues
 from ...deck.record import Record
-from ...fe.formats.formats import FORMS_WITH_ELEMENTS, OF_BEAMS, OF_ELEMENTS, TAKES_MAPPING
+from ...fe.formats.formats import FORMS_WITH_ELEMENTS, OF_ELEMENTS, OF_STRUCTURES, TAKES_MAPPING
 from ...fe.formats.matrix_file import FEFileFault
 from ...fe.formats.node_table import NodeTable, read_node_table
 from ...model.diagnostics import Findings
@@ -45,13 +45,11 @@ def matrices_of_elements(values: DeckValues, k: int, files: dict[str, Any]) -> d
 
 
 def _form_of_elements(file: FEFile) -> str:
-    """Return whether beams alone are meant, or solid elements, whose reader reports what it cannot read."""
-    if file.form != "BDF":
-        return OF_ELEMENTS
-    from ...fe.formats.beam_elements import has_beams
+    """Return whether beams and shells are meant, or solid elements, whose reader reports faults."""
+    from ...fe.formats.structure_elements import has_structures
 
     try:
-        return OF_BEAMS if has_beams(file.path) else OF_ELEMENTS
+        return OF_STRUCTURES if has_structures(file.path, file.form) else OF_ELEMENTS
     except FEFileFault:
         return OF_ELEMENTS
 
@@ -149,7 +147,7 @@ def flexible_body(
         ratios=_ratios(values, k, findings),
         interfaces=interfaces,
         damping_matrix=files["damping_matrix"],
-        axes=None if mass.form in (OF_ELEMENTS, OF_BEAMS) else table.axes,
+        axes=None if mass.form in (OF_ELEMENTS, OF_STRUCTURES) else table.axes,
     )
     stiffened = _stiffened(values.record("stiffening", k), given, findings)
     arms = arms_of(values, k, nodes, sets, findings) | carrying_arms(interfaces, nodes)

@@ -7,45 +7,26 @@ the rotary inertia of sections, M.  Both are exact for Guyan's reduction of any 
 
 import numpy as np
 
-from ...model.flexible_body import ElementMaterial
-from ..formats.beam_elements import BeamTable, read_beams
-from ..formats.matrix_file import FEFileFault, MatrixFile, labelled
-from ..formats.node_table import NodeTable, read_node_table
+from ..formats.beam_elements import BeamTable
 
 # Degrees of freedom of the ends: bending in the planes of x y and x z, whose rotations are about z and -y.
 _PLANES = (([1, 5, 7, 11], [1.0, 1.0, 1.0, 1.0]), ([2, 4, 8, 10], [1.0, -1.0, 1.0, -1.0]))
 
 
-def matrix_of_beams(material: ElementMaterial, letter: str) -> MatrixFile:
-    """Return M or K (`letter`) of the beams in the file of `material`, six rows a node, basic axes.
-
-    Raises FEFileFault.
-    """
-    path = material.file.path
-    if material.lumped:
-        raise FEFileFault(f"{path.name}: the mass of beams is consistent; take CONS on ELMT", id="FE-278")
-    nodes = read_node_table(path, material.file.form)
-    elastic = material.young, material.poisson, material.density
-    return beam_matrix(read_beams(path, nodes, elastic), nodes, elastic, letter)
-
-
-def beam_matrix(
-    beams: BeamTable, nodes: NodeTable, elastic: tuple[float, float, float], letter: str
-) -> MatrixFile:
-    """Return M or K (`letter`), six rows a node in basic axes.
+def beam_matrices(
+    beams: BeamTable, positions: np.ndarray, elastic: tuple[float, float, float], letter: str
+) -> np.ndarray:
+    """Return M or K (`letter`), (m, 12, 12), in the axes of the nodes at `positions` (n, 3), m.
 
     `elastic`: Young's modulus, Pa, Poisson's ratio, density, kg/m³.
     """
-    numbers, positions = nodes.numbers, nodes.positions
-    entries, values = [], []
-    for rows, upward, section in zip(beams.rows, beams.upwards, beams.sections, strict=True):
+    found = np.empty((len(beams.rows), 12, 12))
+    for k, (rows, upward, section) in enumerate(zip(beams.rows, beams.upwards, beams.sections, strict=True)):
         along = positions[rows[1]] - positions[rows[0]]
         local = (_stiffness if letter == "K" else _mass)(float(np.linalg.norm(along)), section, elastic)
         turn = np.kron(np.eye(4), _axes(along, upward))
-        labels = [(number, component) for number in numbers[rows].tolist() for component in range(1, 7)]
-        values.append((turn.T @ local @ turn).ravel())
-        entries += [(*row, *column) for row in labels for column in labels]
-    return labelled(np.array(entries, dtype=np.int64), np.concatenate(values), False)
+        found[k] = turn.T @ local @ turn
+    return found
 
 
 def _axes(along: np.ndarray, upward: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .bulk_data import BulkCard, bulk_cards
+from .bulk_data import BulkCard, bulk_cards, check_material
 from .matrix_file import FEFileFault
 from .node_table import NodeTable
 
@@ -18,6 +18,9 @@ _PROPERTY = {"CBAR": "PBAR", "CBEAM": "PBEAM"}
 # Fields of area, I1, I2, I12, torsion constant, mass per length; PBEAM has sixteen fields a station.
 _FIELDS = {"PBAR": (2, 3, 4, 18, 5, 6), "PBEAM": (2, 3, 4, 5, 6, 7)}
 _SHEAR = {"PBAR": (16, 17), "PBEAM": (24, 25)}
+BEAM_CARDS = tuple(_PROPERTY)
+# Sine of the least angle between a beam and the vector of its section.
+_LEAST_ANGLE = 1e-9
 
 
 class BeamTable(NamedTuple):
@@ -33,12 +36,6 @@ class BeamTable(NamedTuple):
     sections: np.ndarray  # (m, 7) m², m⁴, m⁴, m⁴, kg/m, m², m²: see above
 
 
-def has_beams(path: Path) -> bool:
-    """Return whether the file has beams and no solid elements.  Raises FEFileFault."""
-    names = {card.name for card in bulk_cards(path, (*_PROPERTY, "CHEXA", "CTETRA"))}
-    return bool(names) and names <= set(_PROPERTY)
-
-
 def read_beams(path: Path, table: NodeTable, elastic: tuple[float, float, float]) -> BeamTable:
     """Return the beams of the file, whose nodes are in `table`.
 
@@ -48,7 +45,7 @@ def read_beams(path: Path, table: NodeTable, elastic: tuple[float, float, float]
     cards = list(bulk_cards(path, (*_PROPERTY, *_PROPERTY.values(), "MAT1")))
     for card in cards:
         if card.name == "MAT1":
-            _check_material(card, elastic)
+            check_material(card, elastic)
     properties = [card for card in cards if card.name in _PROPERTY.values()]
     sections = {(card.name, card.field(0)): _section(card) for card in properties}
     place = {number: row for row, number in enumerate(table.numbers.tolist())}
@@ -57,14 +54,6 @@ def read_beams(path: Path, table: NodeTable, elastic: tuple[float, float, float]
     if len(set(numbers)) < len(numbers):
         raise FEFileFault(f"{path.name} has two beams of one number", id="FE-271")
     return BeamTable(np.array(numbers), np.array(rows), np.array(upwards), np.array(values))
-
-
-def _check_material(card: BulkCard, elastic: tuple[float, float, float]) -> None:
-    """Refuse another material than that of the deck."""
-    for i, name, value in zip((1, 3, 4), ("E", "nu", "density"), elastic, strict=True):
-        if card.field(i) and abs(card.real(i, name) - value) > 1e-6 * abs(value):
-            message = f"{name} is {card.field(i)}, and {value:g} on MATL: the deck's material is meant"
-            raise card.card_fault(message, id="FE-279")
 
 
 def _section(card: BulkCard) -> list[float]:
@@ -109,6 +98,12 @@ def _beam(
         upward = np.array([card.real(i, "a component of a vector") for i in (4, 5, 6)])
         upward = upward if table.axes is None else table.axes[rows[0]] @ upward
     along = table.positions[rows[1]] - table.positions[rows[0]]
-    if not np.linalg.norm(np.cross(along, upward)) > 1e-9 * np.linalg.norm(along) * np.linalg.norm(upward):
+    if not upright(along, upward):
         raise card.card_fault("the ends coincide, or the vector lies along the beam", id="FE-277")
     return card.integer(0, "a number"), rows[:2], upward, section
+
+
+def upright(along: np.ndarray, upward: np.ndarray) -> bool:
+    """Return whether a beam along `along` (3,) has a length, and `upward` (3,) another direction."""
+    sine = np.linalg.norm(np.cross(along, upward))
+    return bool(sine > _LEAST_ANGLE * np.linalg.norm(along) * np.linalg.norm(upward))

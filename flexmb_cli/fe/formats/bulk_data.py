@@ -117,3 +117,11 @@ def _fields(line: str, head: str) -> list[str]:
     width, count = (16, 4) if "*" in head else (8, 8)
     padded = line.ljust(8 + width * count)
     return [padded[8 + width * i : 8 + width * (i + 1)].strip() for i in range(count)]
+
+
+def check_material(card: BulkCard, elastic: tuple[float, float, float]) -> None:
+    """Refuse another material than that of the deck."""
+    for i, name, value in zip((1, 3, 4), ("E", "nu", "density"), elastic, strict=True):
+        if card.field(i) and abs(card.real(i, name) - value) > 1e-6 * abs(value):
+            message = f"{name} is {card.field(i)}, and {value:g} on MATL: the deck's material is meant"
+            raise card.card_fault(message, id="FE-279")

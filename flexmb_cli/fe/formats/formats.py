@@ -38,8 +38,8 @@ MAPPING_FORMATS = {
 }
 # Formats that a mapping may or must stand beside; rows of DMIG always have nodes and directions.
 TAKES_MAPPING = tuple(form for form in MATRIX_FORMATS if form not in ("DMIG", OF_MODES))
-# The forms of a "file" that stands for the elements themselves: solid ones, or beams.
-OF_ELEMENTS, OF_BEAMS = "MESH", "BEAM"
+# The forms of a "file" that stands for the elements themselves: solid ones, or beams and shells.
+OF_ELEMENTS, OF_STRUCTURES = "MESH", "SHELL"
 # Node tables that may hold elements, too.
 FORMS_WITH_ELEMENTS = ("INP", "CDB", "BDF")
 # What reads the lines of files that may include others: (path).

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 import scipy
 
-from flexmb_cli.fe.elements.beams import beam_matrix, matrix_of_beams
-from flexmb_cli.fe.formats.beam_elements import has_beams, read_beams
+from flexmb_cli.fe.elements.structures import matrix_of_structures, structure_matrix
 from flexmb_cli.fe.formats.matrix_file import FEFileFault
 from flexmb_cli.fe.formats.node_table import read_node_table
+from flexmb_cli.fe.formats.structure_elements import has_structures, read_structures
 from flexmb_cli.interface import solve
 from flexmb_cli.model.flexible_body import ElementMaterial, FEFile
 from tests.fe.row_bodies.row_decks import DECKS, motion
@@ -31,13 +31,13 @@ BARS = "CBAR,1,1,101,102,0.,1.,0.\nCBAR,2,1,102,103,0.,1.,0.\n"
 MATERIAL = "MAT1,1,7.+10,,.33,2700.\n"
 
 
-def matrices(folder, text, elastic=ALUMINIUM):
+def matrices(folder, text, elastic=ALUMINIUM, form="BDF"):
     """K and M (6 n, 6 n) of the beams of a file."""
     (folder / "x").write_text(text)
-    nodes = read_node_table(folder / "x", "BDF")
-    beams = read_beams(folder / "x", nodes, elastic)
+    nodes = read_node_table(folder / "x", form)
+    table = read_structures(folder / "x", form, nodes, elastic)
     for letter in "KM":
-        file = beam_matrix(beams, nodes, elastic, letter)
+        file = structure_matrix(table, nodes, elastic, letter)
         full = np.zeros((file.size, file.size))
         np.add.at(full, (file.rows, file.columns), file.values)
         yield full
@@ -139,15 +139,15 @@ def test_beams_that_cannot_be_used_are_refused(tmp_path, case):
 def test_a_lumped_mass_is_refused(tmp_path):
     (tmp_path / "x").write_text(GRIDS + BARS + PBAR)
     material = ElementMaterial(FEFile(tmp_path / "x", "BDF"), 7e10, 0.33, None, 2700.0, lumped=True)
-    with pytest.raises(FEFileFault, match="the mass of beams is consistent"):
-        matrix_of_beams(material, "M")
+    with pytest.raises(FEFileFault, match="the mass of beams and shells is consistent"):
+        matrix_of_structures(material, "M")
 
 
 def test_a_file_with_solid_elements_is_no_file_of_beams(tmp_path):
     (tmp_path / "x").write_text(GRIDS + BARS + PBAR)
-    assert has_beams(tmp_path / "x")
+    assert has_structures(tmp_path / "x", "BDF")
     (tmp_path / "x").write_text(GRIDS + BARS + PBAR + "CHEXA,1,1,1,2,3,4,5,6\n,7,8\n")
-    assert not has_beams(tmp_path / "x")
+    assert not has_structures(tmp_path / "x", "BDF")
 
 
 @pytest.mark.long_motion
