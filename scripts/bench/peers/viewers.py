@@ -1,8 +1,8 @@
 """The report's viewer beside snapshots of K3D: four scenes in headless Chromium without a graphics card.
 
-Example: pip install k3d; scripts/bench/run viewers --instants 100
-Prints the size of a page, the time to its first picture and frames a second, of K3D by SwiftShader, the processor
-in place of a graphics card; and whether there is a picture if the browser has no WebGL.
+Example: scripts/bench/run peers/viewers --instants 100
+Prints the size of a page, the time to its first picture and frames a second, of K3D by SwiftShader, the
+processor in place of a graphics card; and whether there is a picture if the browser has no WebGL.
 """
 
 import argparse
@@ -15,12 +15,13 @@ from pathlib import Path
 import h5py
 import k3d
 import numpy as np
-from report_frames import page as plate_page
-from report_frames import plate
 from selenium import webdriver
 
-TOP = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(TOP))
+TOP = Path(__file__).resolve().parents[3]
+sys.path[:0] = [str(TOP), str(TOP / "scripts" / "bench")]
+
+from report_frames import page as plate_page  # noqa: E402
+from report_frames import plate  # noqa: E402
 
 from flexmb_cli import solve  # noqa: E402
 from flexmb_cli.results.figures.contours import VON_MISES, nodal_values  # noqa: E402
@@ -41,14 +42,15 @@ const done = arguments[0], begun = performance.now(); let count = 0;
 function step() {{
   {};
   count++;
-  performance.now() - begun < 3000 ? requestAnimationFrame(step) : done(1000 * count / (performance.now() - begun));
+  const spent = performance.now() - begun;
+  spent < 3000 ? requestAnimationFrame(step) : done(1000 * count / spent);
 }}
 step();
 """
 
 
 def snapshot(scene, bodies) -> str:
-    """A page of K3D with the same bodies: lines as tubes, finite-element bodies with stresses, all over time."""
+    """A page of K3D with the same bodies: lines as tubes, finite-element bodies with stresses, over time."""
     plot = k3d.plot(grid_visible=False)
     for body in scene.lined(bodies) if scene else ():
         plot += k3d.lines(
