@@ -27,6 +27,7 @@ HERE, SNIPPETS = "test_documented_scripts.py", "test_documented_snippets.py"
 TRANSCRIPTS = "test_documentation.py"
 RUN_BY = {
     "README.md": [INSTALLS, INSTALLS, SNIPPETS],
+    "docs/index.md": [INSTALLS],
     "CONTRIBUTING.md": ["not run: makes an environment and runs this whole suite, as CI does (.ci/run)"],
     "docs/how-to/ci-files.md": ["../scripts/test_ci_files.py", "../scripts/test_ci_files.py"],
     "docs/how-to/clusters.md": [HERE, "not run: `head` is a machine; the next program does the same", HERE],
