@@ -1,4 +1,4 @@
-"""`scripts/release`: one version in all files; wheels of platforms are parts of the whole one, with a true record."""
+"""`scripts/release`: one version in all files; wheels of platforms are parts of the whole one."""
 
 import runpy
 import subprocess
@@ -55,7 +55,7 @@ def test_a_wheel_of_a_platform_has_its_library_alone_and_its_tag(whole, tmp_path
 
 
 def test_pip_installs_a_wheel_of_this_platform_by_its_record(whole, tmp_path):
-    """pip checks name and tag, and takes files from the record when it uninstalls; any platform with --target."""
+    """pip checks name and tag, and takes any platform with --target."""
     path = release["part"](whole, "arm64-windows", tmp_path)
     command = [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-index", "--target"]
     command += [tmp_path / "site", "--platform", "win_arm64", "--only-binary=:all:", path]
