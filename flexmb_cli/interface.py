@@ -202,9 +202,9 @@ def sweep(study: str | os.PathLike[str] | Mapping[str, Any], jobs: int = 1) -> d
 
     with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
         path = _study_file(study, folder) if isinstance(study, Mapping) else study
-        made = open_study(path, os.path.join(folder, "parts"))
-        solve_study(made, made.pending(), jobs=jobs)
-        write_study(written := os.path.join(folder, "table.h5"), made)
+        study_run = open_study(path, os.path.join(folder, "parts"))
+        solve_study(study_run, study_run.pending(), jobs=jobs)
+        write_study(written := os.path.join(folder, "table.h5"), study_run)
         with h5py.File(written, "r") as table:
             groups = [table[name] for name in ("parameter", "result")]
             columns = {f"{group.name[1:]}/{name}": group[name][...] for group in groups for name in group}

@@ -162,8 +162,8 @@ def _print_version(context: click.Context, option: Any, asked: bool) -> None:
         return
     from .terminal.commit import commit
 
-    found = commit()
-    click.echo(f"flexmb, version {__version__}{f' (commit {found})' if found else ''}")
+    hash_of_commit = commit()
+    click.echo(f"flexmb, version {__version__}{f' (commit {hash_of_commit})' if hash_of_commit else ''}")
     context.exit()
 
 

@@ -55,9 +55,9 @@ def beam(ndm: str | None, whole: bool, title: str, into: str | None, body: int |
     from ..dialects.dafms.beam import Beam
 
     _check_choice(whole, into, body)
-    made = Beam(**sizes)
-    standard_output().write(_text(made, ndm, whole, title, into, body))
-    click.echo(f"beam: its share of MASS {made.mass:.9g} kg, of INER {made.inertia:.9g} kg m^2", err=True)
+    member = Beam(**sizes)
+    standard_output().write(_text(member, ndm, whole, title, into, body))
+    click.echo(f"beam: its share of MASS {member.mass:.9g} kg, of INER {member.inertia:.9g} kg m^2", err=True)
 
 
 def _check_choice(whole: bool, into: str | None, body: int | None) -> None:

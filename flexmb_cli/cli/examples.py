@@ -68,9 +68,9 @@ def supplied() -> dict[str, Path]:
     Decks of two dialects with one name are distinguished by their suffix: `pendulum.DAT`, `pendulum.vsdf`.
     """
     folder = _folder()
-    found = sorted(path for path in folder.rglob("*") if path.suffix in SUFFIXES and path.is_file())
-    stems = [path.stem for path in found]
-    return {path.stem if stems.count(path.stem) == 1 else path.name: path for path in found}
+    files = sorted(path for path in folder.rglob("*") if path.suffix in SUFFIXES and path.is_file())
+    stems = [path.stem for path in files]
+    return {path.stem if stems.count(path.stem) == 1 else path.name: path for path in files}
 
 
 def _folder() -> Any:

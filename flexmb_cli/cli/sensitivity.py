@@ -70,19 +70,19 @@ def sensitivity(
     )
     outcome, progress = Outcome(deck), Progress("sensitivity", "decks", quiet, False)
     listener = Listener(notice=progress.notice, status=progress.status)
-    found = None
+    derivatives = None
     with ending_recorded(outcome, choices):
-        found = _differentiated(deck, of, to, choices, listener, outcome, options)
+        derivatives = _differentiated(deck, of, to, choices, listener, outcome, options)
     progress.clear()
     show_faults(outcome, quiet)
-    if found is not None:
-        _show(found, options, as_json)
+    if derivatives is not None:
+        _show(derivatives, options, as_json)
         if output:
-            found.result.save(output)
+            derivatives.result.save(output)
             if not quiet:
                 notify(f"{deck} → {output}, sensitivities; flexmb plot {output} derivative")
     if as_json:
-        click.echo(json.dumps(outcome.as_dict() | (_record(found, options) if found else {})))
+        click.echo(json.dumps(outcome.as_dict() | (_record(derivatives, options) if derivatives else {})))
     sys.exit(outcome.exit_code)
 
 
@@ -105,10 +105,10 @@ def _differentiated(
 
     opened = open_deck(deck, choices, outcome)
     given = OpenDeck(opened, deck, choices.changes, tuple(outcome.faults))
-    found = sensitivity(given, of, to, choices, listener, options["equilibrium"], options["at"])
-    outcome.faults = list(found.warnings)
-    outcome.rows = len(found.time)
-    return found
+    derivatives = sensitivity(given, of, to, choices, listener, options["equilibrium"], options["at"])
+    outcome.faults = list(derivatives.warnings)
+    outcome.rows = len(derivatives.time)
+    return derivatives
 
 
 def _show(found: "Sensitivity", options: dict[str, Any], as_json: bool) -> None:

@@ -64,27 +64,29 @@ def sweep(
     refuse_inputs(output, [study])
     refuse_foreign([output], force)
     notices = Notices("study", study, quiet, as_json)
-    made = begun(notices, output, parts, options, interface.open_study)
+    study_run = begun(notices, output, parts, options, interface.open_study)
     warn_of_result(notices, output)
     stop_on_signals()
     try:
         with notices.failures(), Stop.released():
-            _solve(made, notices, options)
-            failed = (case for case in made.results() if case.exit_code and made.failed)
+            _solve(study_run, notices, options)
+            failed = (case for case in study_run.results() if case.exit_code and study_run.failed)
             failures = [(case.case + 1, case.message) for case in islice(failed, MOST_FAILURES)]
-            interface.write_study(output, made)
+            interface.write_study(output, study_run)
     except (KeyboardInterrupt, Terminated) as stop:
         exit_code = INTERRUPTED if isinstance(stop, KeyboardInterrupt) else TERMINATED
-        _report_stop(notices, output, made, parts, bool(options["scheduler"]), exit_code)
+        _report_stop(notices, output, study_run, parts, bool(options["scheduler"]), exit_code)
         # Workers that are still solving end with this process; whole cases are kept.
         os._exit(exit_code)
-    _report(notices, output, made, failures)
-    scatter = made.scatter
+    _report(notices, output, study_run, failures)
+    scatter = study_run.scatter
     if scatter and not (quiet or as_json):
         show("".join(f"{line}\n" for line in scatter.lines()))
     more = {"scatter": scatter.record()} if scatter else {}
-    status, exit_code = ("failed", ANALYSIS_FAILED) if made.failed else ("complete", DONE)
-    notices.end(status, exit_code, cases=made.job.study.cases, failed=made.failed, file=output, **more)
+    status, exit_code = ("failed", ANALYSIS_FAILED) if study_run.failed else ("complete", DONE)
+    notices.end(
+        status, exit_code, cases=study_run.job.study.cases, failed=study_run.failed, file=output, **more
+    )
     sys.exit(exit_code)
 
 
@@ -126,10 +128,10 @@ def begun(
             # The cases are kept beside the table: without this their folder would be made with all its
             # parents.
             refuse_unwritable(output, special=False)
-            made = begin(notices.file, parts, options["fresh"], options["loop_tolerance"])
-            deck = os.path.join(os.path.dirname(notices.file), made.solver.study.deck)
-            notices.add_of_deck(made.solver.warnings(), made.solver.deck.source.lines, deck)
-            return made
+            study_run = begin(notices.file, parts, options["fresh"], options["loop_tolerance"])
+            deck = os.path.join(os.path.dirname(notices.file), study_run.solver.study.deck)
+            notices.add_of_deck(study_run.solver.warnings(), study_run.solver.deck.source.lines, deck)
+            return study_run
     except StudyError as failure:
         say(compiler_style(failure.file, failure.faults, failure.lines))
     except DeckError as failure:
@@ -160,7 +162,7 @@ def _solve(made: "Sweep", notices: Notices, options: dict[str, Any]) -> None:
     from ..run.processes.signal_mask import outlive_workers
 
     outlive_workers()
-    blocks, kept = made.pending(), list[Fault]()
+    blocks, warnings = made.pending(), list[Fault]()
     cases, left = made.job.study.cases, made.left
     if left < cases:
         notices.say(f"continuing a stopped study: {cases - left} of {cases} cases are complete")
@@ -172,11 +174,11 @@ def _solve(made: "Sweep", notices: Notices, options: dict[str, Any]) -> None:
     try:
         with Progress(notices.file, "cases", notices.quiet, options["verbose"]) as progress:
             progress.begin(left)
-            listener = Listener(notice=progress.notice, status=progress.status).kept_in(kept)
+            listener = Listener(notice=progress.notice, status=progress.status).kept_in(warnings)
             jobs, scheduler = options["jobs"], options["scheduler"]
             interface.solve_study(made, blocks, progress.advance, jobs, scheduler, listener)
     finally:
-        notices.faults += [(notices.file, fault) for fault in kept]
+        notices.faults += [(notices.file, fault) for fault in warnings]
 
 
 def _report(notices: Notices, output: str, made: "Sweep", failures: Any) -> None:

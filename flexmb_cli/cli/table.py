@@ -126,8 +126,8 @@ def _print_result(
             raise WrongCall(
                 f"name at least one quantity; flexmb table {result} --list shows them all", id="CLI-059"
             )
-        found, wishes = resolve(file, names, result) if names else all_names(file), options["wishes"]
-        quantities = [quantity.in_units(wishes) for quantity in found]
+        in_si, wishes = resolve(file, names, result) if names else all_names(file), options["wishes"]
+        quantities = [quantity.in_units(wishes) for quantity in in_si]
         if listing:
             if changes := ", ".join(settings_of(file)):
                 message = f"the run changed the deck by --set: {changes}"

@@ -51,18 +51,18 @@ def verify(
     progress = Progress("verify", "decks", quiet, verbose)
     listener = Listener(notice=progress.notice, status=progress.status)
     codes = []
-    for found in every_deck(
+    for verified in every_deck(
         decks, choices, quiet, lambda deck: verify_deck(deck, choices, tolerance, listener)
     ):
         progress.clear()
-        if found.outcome.echo:
-            show(found.outcome.echo, err=True)
-        show_faults(found.outcome, quiet)
+        if verified.outcome.echo:
+            show(verified.outcome.echo, err=True)
+        show_faults(verified.outcome, quiet)
         if as_json:
-            click.echo(json.dumps(found.as_dict()))
-        elif found.differences and not quiet:
-            show(verify_text(found), prose=True)
-        codes.append(found.outcome.exit_code)
+            click.echo(json.dumps(verified.as_dict()))
+        elif verified.differences and not quiet:
+            show(verify_text(verified), prose=True)
+        codes.append(verified.outcome.exit_code)
     sys.exit(max(codes))
 
 

@@ -109,8 +109,8 @@ def converted(unit: str, wishes: Wishes) -> tuple[str, float]:
     """
     whole, size = in_si(unit)
     if whole in wishes:
-        wanted = wishes[whole]
-        return wanted, size / in_si(wanted)[1]
+        wished = wishes[whole]
+        return wished, size / in_si(wished)[1]
     factor = 1.0
 
     def wanted_one(match: re.Match[str]) -> str:

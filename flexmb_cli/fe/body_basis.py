@@ -48,7 +48,7 @@ def reduced_basis(shapes: np.ndarray, forces: np.ndarray, S: Any, first: int) ->
     `forces` (3 n, k) are those that bend the body into the shapes: work done on the shapes is their strain
     energy, without the cancellation in φ' K φ.  Raises IndefiniteMass.
     """
-    kept, orthogonal = _independent(shapes, forces, first)
+    independent, orthogonal = _independent(shapes, forces, first)
     mass = orthogonal.T @ (S @ orthogonal)
     inverse, mixing = np.linalg.eigh((mass + mass.T) / 2)
     # Ascending 1/ω² would begin with the highest frequency.
@@ -57,7 +57,7 @@ def reduced_basis(shapes: np.ndarray, forces: np.ndarray, S: Any, first: int) ->
     if not heavy.any():
         raise IndefiniteMass
     values = 1.0 / np.where(heavy, inverse, inverse[heavy][-1])
-    return ReducedBasis(values, modes * np.sqrt(values), kept, int(np.count_nonzero(~heavy)))
+    return ReducedBasis(values, modes * np.sqrt(values), independent, int(np.count_nonzero(~heavy)))
 
 
 def _independent(shapes: np.ndarray, forces: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
@@ -158,12 +158,12 @@ def _check_count(given: FlexibleInput, frame: Frame, available: int, findings: F
         message = f"{given.modes} modes are requested, and the body has {available}; 0 takes all"
         findings.error(given.name, message, given.place, id="FE-005")
         return False
-    wanted = given.modes or (0 if given.interface else available)
-    wanted += len(_rows_of(given, frame, (*given.attachment, *given.interface)))
-    if wanted > LARGEST_BASIS:
+    count = given.modes or (0 if given.interface else available)
+    count += len(_rows_of(given, frame, (*given.attachment, *given.interface)))
+    if count > LARGEST_BASIS:
         message = (
-            f"{wanted} shapes are more than the {LARGEST_BASIS} that can be kept, since inertia takes "
-            f"9 numbers for every two of them ({72e-9 * wanted**2:.2g} GB); ask for fewer modes, and for "
+            f"{count} shapes are more than the {LARGEST_BASIS} that can be kept, since inertia takes "
+            f"9 numbers for every two of them ({72e-9 * count**2:.2g} GB); ask for fewer modes, and for "
             "static shapes (ATTM) of the loaded nodes only"
         )
         findings.error(given.name, message, given.place, id="FE-006")
@@ -253,22 +253,24 @@ def _with_attachment(given: FlexibleInput, K: Any, S: Any, frame: Frame, basis: 
     attached = unit_forces(K.shape[0], moving)
     shapes = np.hstack([basis.shapes, static_shapes(K, S, frame, attached)])
     forces, count = np.hstack([K @ basis.shapes, attached]), len(basis.values)
-    found = reduced_basis(shapes, forces, S, count)
-    superfluous = np.setdiff1d(rows, moving[found.kept[found.kept >= count] - count])
+    solved = reduced_basis(shapes, forces, S, count)
+    superfluous = np.setdiff1d(rows, moving[solved.kept[solved.kept >= count] - count])
     # Every static shape brings in a deformation of the modes not requested: those of all nodes bring in all.
-    left_out = max(count + basis.left_out - len(found.values), 0)
+    left_out = max(count + basis.left_out - len(solved.values), 0)
     following = basis.next_value if left_out else math.nan
-    shapes = modes.signed(found.shapes)
-    return Basis(found.values, shapes, found.massless, _named(given, frame, superfluous), left_out, following)
+    shapes = modes.signed(solved.shapes)
+    return Basis(
+        solved.values, shapes, solved.massless, _named(given, frame, superfluous), left_out, following
+    )
 
 
 def _interface_basis(given: FlexibleInput, K: np.ndarray, S: np.ndarray, frame: Frame) -> Basis:
     rows, count = modes.interface_rows(frame, _rows_of(given, frame, given.interface)), given.modes
-    found = reduced_basis(*modes.craig_bampton(K, S, frame, rows, count), S, count)
-    superfluous = np.setdiff1d(rows, rows[found.kept[found.kept >= count] - count])
+    reduced = reduced_basis(*modes.craig_bampton(K, S, frame, rows, count), S, count)
+    superfluous = np.setdiff1d(rows, rows[reduced.kept[reduced.kept >= count] - count])
     inner = K.shape[0] - len(rows)
-    shapes, named = modes.signed(found.shapes), _named(given, frame, superfluous)
-    return Basis(found.values, shapes, found.massless, named, inner - count, math.nan)
+    shapes, named = modes.signed(reduced.shapes), _named(given, frame, superfluous)
+    return Basis(reduced.values, shapes, reduced.massless, named, inner - count, math.nan)
 
 
 def _named(given: FlexibleInput, frame: Frame, rows: np.ndarray) -> tuple[tuple[int, str], ...]:

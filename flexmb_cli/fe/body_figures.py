@@ -39,9 +39,9 @@ def _massless_in_motion(S: Matrix, frame: Frame, basis: Basis) -> np.ndarray:
     heavy = len(basis.values) - basis.massless
     amplitudes = np.zeros((len(basis.values), 0))
     if not frame.mean and heavy:
-        found = massless_in_motion(S, without_momentum(frame, basis.shapes[:, :heavy], S))
-        amplitudes = np.zeros((len(basis.values), found.shape[1]))
-        amplitudes[:heavy] = found
+        heavy_amplitudes = massless_in_motion(S, without_momentum(frame, basis.shapes[:, :heavy], S))
+        amplitudes = np.zeros((len(basis.values), heavy_amplitudes.shape[1]))
+        amplitudes[:heavy] = heavy_amplitudes
     return amplitudes
 
 
@@ -53,8 +53,7 @@ def modal_damping(given: FlexibleInput, Mff: np.ndarray, values: np.ndarray) -> 
     if given.ratios:
         frequencies, ratios_there = np.array(given.ratios).T
         ratios = np.interp(omega / math.tau, frequencies, ratios_there)
-    found: np.ndarray = alpha * Mff + beta * np.diag(values) + np.diag(2.0 * ratios * omega)
-    return found
+    return alpha * Mff + beta * np.diag(values) + np.diag(2.0 * ratios * omega)
 
 
 def effective_limit(S: Any, frame: Frame) -> np.ndarray:

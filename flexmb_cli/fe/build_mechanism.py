@@ -84,9 +84,9 @@ def _step_warnings(model: VsdfModel, bodies: Iterable[FloatingBody]) -> Iterator
 
 
 def _flexible_body(given: VsdfBody, content: FlexibleInput, cached: bool) -> tuple[FloatingBody, list[Fault]]:
-    found, warnings = flexible_body(content, cached)
-    pose = np.array(given.r) + given.A @ found.origin, euler_parameters(given.A @ found.axes)
-    return _body(given, pose, found.m, found.s0, found.J0, found, given.stiffened), warnings
+    reduced, warnings = flexible_body(content, cached)
+    pose = np.array(given.r) + given.A @ reduced.origin, euler_parameters(given.A @ reduced.axes)
+    return _body(given, pose, reduced.m, reduced.s0, reduced.J0, reduced, given.stiffened), warnings
 
 
 def _rigid_body(given: VsdfBody) -> FloatingBody:

@@ -34,8 +34,7 @@ class RigidMass:
     @property
     def second(self) -> np.ndarray:
         """The integral of x x' (3, 3), kg m²."""
-        found: np.ndarray = np.trace(self.J0) / 2 * np.eye(3) - self.J0
-        return found
+        return np.trace(self.J0) / 2 * np.eye(3) - self.J0
 
 
 def rigid_mass(matrices: RowMatrices) -> RigidMass:
@@ -71,10 +70,10 @@ def _linear_moments(matrices: RowMatrices, rest: np.ndarray) -> np.ndarray:
     """Estimates (N, 3, 3) of G, symmetric for shapes `rest` (k, N) without moment of momentum."""
     fields = _linear_fields(matrices)
     products = fields.T @ (matrices.M @ rest)
-    found = np.zeros((rest.shape[1], 3, 3))
+    moments = np.zeros((rest.shape[1], 3, 3))
     for (i, j), values in zip(_PAIRS, products, strict=True):
-        found[:, i, j] = found[:, j, i] = values
-    return found
+        moments[:, i, j] = moments[:, j, i] = values
+    return moments
 
 
 def _linear_fields(matrices: RowMatrices) -> np.ndarray:

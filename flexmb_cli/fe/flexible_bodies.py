@@ -218,9 +218,9 @@ def flexible_body(given: FlexibleInput, cached: bool = True) -> tuple[FlexibleBo
 
     Raises ModelError with every fault found, at the cards of the files.
     """
-    found = load(given) if cached else None
-    if found is not None:
-        return found
+    stored = load(given) if cached else None
+    if stored is not None:
+        return stored
     # Most runs find their bodies in the cache and do without.
     from .reduction import reduced_body
 

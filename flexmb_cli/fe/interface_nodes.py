@@ -83,9 +83,9 @@ def tied(file: MatrixFile, given: FlexibleInput) -> MatrixFile:
     if not carried:
         return file
     labels = _labels(file, given)
-    order, kept = _order(labels, carried, given)
+    order, independent = _order(labels, carried, given)
     row_of = {label: i for i, label in enumerate(order)}
-    entries = [(i, row_of[labels[i]], 1.0) for i in kept]
+    entries = [(i, row_of[labels[i]], 1.0) for i in independent]
     place = {number: i for i, number in enumerate(given.numbers.tolist())}
     for i, (node, component) in enumerate(labels):
         if node in carried:
@@ -162,15 +162,15 @@ def _order(
         if node in carried and not (1 <= component <= 3 or (component != MODAL and carried[node].turns)):
             message = f"node {node} has rotations, which interface node {carried[node].node} must carry, too"
             raise FEFileFault(f"{message} (components 123456)", id="FE-268")
-    kept = [i for i, (node, _) in enumerate(labels) if node not in carried]
-    order = [labels[i] for i in kept]
+    independent = [i for i, (node, _) in enumerate(labels) if node not in carried]
+    order = [labels[i] for i in independent]
     for one in given.interfaces:
         rows = [(one.node, component) for component in range(1, 7)]
         if one.rigid and 0 < sum(row in present for row in rows) < 6:
             message = f"interface node {one.node} has some rows of its own, and needs all six or none"
             raise FEFileFault(message, id="FE-269")
         order += [row for row in rows if one.rigid and row not in present]
-    return order, kept
+    return order, independent
 
 
 def _axes(given: FlexibleInput, place: dict[int, int], number: int) -> np.ndarray:

@@ -137,8 +137,8 @@ def of_mass(S: Any, b: np.ndarray) -> np.ndarray:
     from scipy.sparse.linalg import cg
 
     scale = diags(1.0 / S.diagonal())
-    found = [cg(S, column, rtol=1e-13, maxiter=1000, M=scale) for column in b.T]
-    return np.column_stack([x if converged == 0 else np.zeros(x.size) for x, converged in found])
+    columns = [cg(S, column, rtol=1e-13, maxiter=1000, M=scale) for column in b.T]
+    return np.column_stack([x if converged == 0 else np.zeros(x.size) for x, converged in columns])
 
 
 def condensed_on(outer: Any, coupling: Any, inner: Any) -> Matrix:

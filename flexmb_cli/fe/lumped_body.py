@@ -45,9 +45,9 @@ def lumped_body(tree: Tree, k: int, elastic: Elasticity) -> FlexibleBody:
     body = tree.bodies[k]
     count, N = len(elastic.masses), elastic.coordinates
     Phi = np.vstack([shape_of(elastic, node) for node in range(count)])
-    found: dict[str, Any] = dict(inertia_invariants(elastic.positions, Phi, sparse.diags(elastic.masses)))
+    values: dict[str, Any] = dict(inertia_invariants(elastic.positions, Phi, sparse.diags(elastic.masses)))
     # Of these two the nodes are not the whole.
-    found |= {"m": body.mass, "J0": np.array(body.inertia, float)}
+    values |= {"m": body.mass, "J0": np.array(body.inertia, float)}
     unknown = np.full((N, 6), np.nan)
     return FlexibleBody(
         name=body.name,
@@ -56,7 +56,7 @@ def lumped_body(tree: Tree, k: int, elastic: Elasticity) -> FlexibleBody:
         origin=np.zeros(3),
         axes=np.eye(3),
         Phi=Phi,
-        **found,
+        **values,
         Kr=elastic.stiffness,
         Dr=np.zeros((N, N)) if elastic.damping is None else elastic.damping,
         KG=_stiffening(tree, k, elastic),

@@ -115,6 +115,6 @@ def _solution(fronts: list[Front], order: np.ndarray, b: np.ndarray) -> np.ndarr
         x[rest] -= factor @ x[first:last]
     for first, last, rest, inverse, factor in reversed(fronts):
         x[first:last] = inverse.T @ (x[first:last] - factor.T @ x[rest])
-    found: np.ndarray = np.empty_like(x)
-    found[order] = x
-    return found
+    solution: np.ndarray = np.empty_like(x)
+    solution[order] = x
+    return solution

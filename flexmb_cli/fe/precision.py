@@ -107,7 +107,7 @@ def rounding_force(file: MatrixFile) -> float:
         return 0.0
     power = np.floor(np.log10(np.where(file.values, np.abs(file.values), 1.0)))
     squares = _uniform(10.0 ** (power + 2 - file.digits), file.values) ** 2
-    sums = sum(np.bincount(rows, squares[kept], file.size) for rows, _, kept in _directions(file))
+    sums = sum(np.bincount(rows, squares[part], file.size) for rows, _, part in _directions(file))
     return float(BY_ROUNDING * np.sqrt(np.max(sums)) / np.abs(file.values).max())
 
 
@@ -119,10 +119,10 @@ def stiffness_errors(K: NodalMatrix) -> EntryErrors:
     file, rounding = K.file, rounding_errors(K.file.values, K.file.digits)
     shifts = K.extended(K.translations)
     forces, expected = np.zeros((2, file.size, 3))
-    for rows, columns, kept in _directions(file):
+    for rows, columns, part in _directions(file):
         moved = shifts[columns]
-        np.add.at(forces, rows, file.values[kept, None] * moved)
-        np.add.at(expected, rows, (rounding.deviation[kept, None] * moved) ** 2)
+        np.add.at(forces, rows, file.values[part, None] * moved)
+        np.add.at(expected, rows, (rounding.deviation[part, None] * moved) ** 2)
     ratio = np.sqrt((forces**2).sum() / max(expected.sum(), np.finfo(float).tiny))
     if ratio > UNBALANCED:
         relative = np.abs(file.values) * np.sqrt((forces**2).sum() / _squares(file, shifts))
@@ -135,7 +135,7 @@ def stiffness_errors(K: NodalMatrix) -> EntryErrors:
 def _squares(file: MatrixFile, shifts: np.ndarray) -> float:
     return float(
         sum(
-            ((file.values[kept, None] * shifts[columns]) ** 2).sum() for _, columns, kept in _directions(file)
+            ((file.values[part, None] * shifts[columns]) ** 2).sum() for _, columns, part in _directions(file)
         )
     )
 
@@ -151,7 +151,7 @@ def _directions(file: MatrixFile) -> Iterator[tuple[np.ndarray, np.ndarray, np.n
 
 def _energy_errors(matrix: NodalMatrix, errors: EntryErrors, shapes: np.ndarray) -> np.ndarray:
     """Standard deviations of φ' δ φ, (N,), for the errors δ of the entries of a file."""
-    file, found = matrix.file, np.zeros(shapes.shape[1])
+    file, energies = matrix.file, np.zeros(shapes.shape[1])
     lower = np.flatnonzero(file.rows >= file.columns)
     if file.one_triangle:
         lower = np.arange(len(file.values))
@@ -164,5 +164,5 @@ def _energy_errors(matrix: NodalMatrix, errors: EntryErrors, shapes: np.ndarray)
     moved = matrix.extended(shapes)
     for k, x in enumerate(moved.T):
         sums = np.bincount(group, weights * x[rows] * x[columns])
-        found[k] = np.linalg.norm(deviation * sums)
-    return found
+        energies[k] = np.linalg.norm(deviation * sums)
+    return energies

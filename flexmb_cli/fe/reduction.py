@@ -159,9 +159,9 @@ def _geometric(
     for load in given.unit_loads:
         file = matrix_file(given, load.file, "G", findings)
         arrange = partial(nodal_part, stiffness=matrices.of_stiffness)
-        found: Any = file and arranged(given, load.file, file, arrange, findings)
-        if found is not None:
-            reduced[load.i, load.j] = shapes.T @ (found.matrix @ shapes)
+        arranged_file: Any = file and arranged(given, load.file, file, arrange, findings)
+        if arranged_file is not None:
+            reduced[load.i, load.j] = shapes.T @ (arranged_file.matrix @ shapes)
     return np.einsum("ia,jb,ijkl->abkl", frame.axes, frame.axes, reduced)
 
 

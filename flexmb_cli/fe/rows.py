@@ -37,8 +37,7 @@ class Rows:
     @property
     def components(self) -> np.ndarray:
         """Components of the rows (k,), 0 of modal ones."""
-        found: np.ndarray = self.labels[:, 1]
-        return found
+        return self.labels[:, 1]
 
     @cached_property
     def shifting(self) -> np.ndarray:
@@ -53,12 +52,12 @@ class Rows:
     @property
     def rigid(self) -> np.ndarray:
         """Rows of unit translations along, and rotations about, the axes through the origin, (k, 6)."""
-        found = np.zeros((len(self.labels), 6))
+        shapes = np.zeros((len(self.labels), 6))
         shifting, turning = self.shifting, self.turning
-        found[shifting, :3] = self.directions[shifting]
-        found[shifting, 3:] = np.cross(self.positions[shifting], self.directions[shifting])
-        found[turning, 3:] = self.directions[turning]
-        return found
+        shapes[shifting, :3] = self.directions[shifting]
+        shapes[shifting, 3:] = np.cross(self.positions[shifting], self.directions[shifting])
+        shapes[turning, 3:] = self.directions[turning]
+        return shapes
 
     def of(self, nodes: Any) -> np.ndarray:
         """Return the rows of node numbers, sorted."""
@@ -66,11 +65,11 @@ class Rows:
 
     def triples(self, first: int) -> dict[int, np.ndarray]:
         """Rows (3,) of nodes, by their place, that have the components `first`, + 1 and + 2."""
-        found: dict[int, np.ndarray] = {}
+        rows_of_node: dict[int, np.ndarray] = {}
         for c in range(3):
             for row in np.flatnonzero(self.components == first + c):
-                found.setdefault(int(self.nodes[row]), np.full(3, -1))[c] = row
-        return {node: rows for node, rows in found.items() if (rows >= 0).all()}
+                rows_of_node.setdefault(int(self.nodes[row]), np.full(3, -1))[c] = row
+        return {node: rows for node, rows in rows_of_node.items() if (rows >= 0).all()}
 
     def seen_from(self, origin: np.ndarray, axes: np.ndarray) -> "Rows":
         """The same rows from `origin` (3,) in the axes that are the columns of `axes` (3, 3)."""

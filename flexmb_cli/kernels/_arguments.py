@@ -155,10 +155,10 @@ class Results:
 
     def value(self) -> object:
         """Return the value that was left."""
-        found = [
+        fitting = [
             self._floats[k] if kind == "f" else bool(self._words[k]) if kind == "b" else self._words[k]
             for k, kind in enumerate(self._kinds)
         ]
         if self._is_tuple:
-            return tuple(found)
-        return found[0] if found else None
+            return tuple(fitting)
+        return fitting[0] if fitting else None

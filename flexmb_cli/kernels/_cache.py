@@ -52,15 +52,15 @@ def _refuse(path: Path, found: os.stat_result) -> None:
 def _is_safe(base: Path, folder: Path) -> bool:
     """Return whether all folders from the base down to `folder` that exist can be trusted."""
     with contextlib.suppress(FileNotFoundError, NotADirectoryError):
-        found = base.stat()
+        status = base.stat()
         # A folder for all, such as /tmp, will do where nobody can take away what is another's.
-        if not is_own(found) and (found.st_uid or not found.st_mode & stat.S_ISVTX):
-            _refuse(base, found)
+        if not is_own(status) and (status.st_uid or not status.st_mode & stat.S_ISVTX):
+            _refuse(base, status)
             return False
         for below in (folder.parent, folder):
-            found = below.lstat()
-            if not stat.S_ISDIR(found.st_mode) or not is_own(found):
-                _refuse(below, found)
+            status = below.lstat()
+            if not stat.S_ISDIR(status.st_mode) or not is_own(status):
+                _refuse(below, status)
                 return False
     return True
 
@@ -102,9 +102,9 @@ def content(name: str, last: Path | None = None) -> bytes | None:
 def read_object(path: Path) -> bytes:
     """Return a kept object; raises ValueError, UnsafePlace or OSError where it is not used."""
     with open(open_managed(str(path), os.O_RDONLY), "rb") as file:
-        found = os.fstat(file.fileno())
-        if not is_own(found):
-            _refuse(path, found)
+        status = os.fstat(file.fileno())
+        if not is_own(status):
+            _refuse(path, status)
             raise ValueError("others may have written it")
         checksum, _, code = file.read().partition(b"\n")
     if _checksum(path.name, code) != checksum:
@@ -159,12 +159,12 @@ def _prune(folder: Path) -> None:
 
 def kept() -> list[Path]:
     """Return the files of all versions, each once: several variables may name the same folder."""
-    found: dict[Path, Path] = {}
+    of_name: dict[Path, Path] = {}
     for folder in folders():
         for path in sorted(folder.parent.glob(f"{_PREFIX}*/*{ENDING}")):
             if not path.parent.is_symlink():
-                found.setdefault(path.parent.resolve() / path.name, path)
-    return list(found.values())
+                of_name.setdefault(path.parent.resolve() / path.name, path)
+    return list(of_name.values())
 
 
 def clear() -> tuple[int, list[Path]]:

@@ -39,12 +39,12 @@ class Unit:
     def load(self) -> AddressOf | None:
         """Return what finds the functions, in the package's library or an object that was kept."""
         if self._mark not in _loaded:
-            found = None if self._kernel else packaged()
-            if found is None and (code := _cache.content(self.name)) is not None:
-                found = in_memory(code)
-            if found is None:
+            library = None if self._kernel else packaged()
+            if library is None and (code := _cache.content(self.name)) is not None:
+                library = in_memory(code)
+            if library is None:
                 return None
-            _loaded[self._mark] = found
+            _loaded[self._mark] = library
         return _loaded[self._mark]
 
     def compile(self) -> AddressOf:
@@ -52,12 +52,12 @@ class Unit:
         require_memory(TO_COMPILE)
         folder = _cache.folder_to_write()
         with _cache.alone(folder, self.name):
-            found = self.load()  # another process was quicker
-            if found is None:
+            library = self.load()  # another process was quicker
+            if library is None:
                 code = self.emit([target()])[target()]
-                found = _loaded[self._mark] = in_memory(code)
+                library = _loaded[self._mark] = in_memory(code)
                 _cache.keep(folder, self.name, code)
-        return found
+        return library
 
     def emit(self, targets: list[str]) -> dict[str, bytes]:
         """Return the object for each target."""
@@ -101,22 +101,24 @@ class Entry:
             fits, result = compiled.call(values)
             if fits:
                 return result
-        made = self._made_for(values)
+        code = self._made_for(values)
         # No compiled code takes, for instance, every other number of a row.
-        return made.call(values)[1] if made else self.interpreted(*values)
+        return code.call(values)[1] if code else self.interpreted(*values)
 
     def _made_for(self, values: tuple[Any, ...]) -> Compiled | None:
         """Load or compile what takes such values; None where nothing can."""
         unit = unit_of(self._name)
         if unit is not None and Words(unit_parameters(unit)[self._name]).pack(values):
-            parameters, made = unit_parameters(unit)[self._name], Unit(unit)
+            parameters, unit_of_types = unit_parameters(unit)[self._name], Unit(unit)
         else:
             try:
                 parameters = [describe(value) for value in values]
             except TypeError:
                 return None
-            made = Unit(self._name, {self._name: parameters}, self)
-        compiled = Compiled(made.load() or made.compile(), symbol_of(self._name), parameters)
+            unit_of_types = Unit(self._name, {self._name: parameters}, self)
+        compiled = Compiled(
+            unit_of_types.load() or unit_of_types.compile(), symbol_of(self._name), parameters
+        )
         self._compiled.insert(0, compiled)
         return compiled
 

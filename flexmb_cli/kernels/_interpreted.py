@@ -27,20 +27,20 @@ def twin(function: Callable) -> Callable:
 
     Each call of another kernel would otherwise ask anew whether it is interpreted.
     """
-    found = _globals_of(function.__module__).get(function.__name__)
+    current = _globals_of(function.__module__).get(function.__name__)
     # Functions made within another one share their code: the closure distinguishes them.
-    made = function.__code__, function.__closure__
-    if isinstance(found, FunctionType) and (found.__code__, found.__closure__) == made:
-        return found
+    identity = function.__code__, function.__closure__
+    if isinstance(current, FunctionType) and (current.__code__, current.__closure__) == identity:
+        return current
     return function  # made within a function, or not a module's own any more
 
 
 def _globals_of(module: str) -> dict[str, object]:
     if module not in _twins:
         names = vars(importlib.import_module(module))
-        made = _twins[module] = dict(names)
+        plain = _twins[module] = dict(names)
         for name, value in names.items():
-            made[name] = _plain(value, made, module)
+            plain[name] = _plain(value, plain, module)
     return _twins[module]
 
 

@@ -41,12 +41,12 @@ def with_parts_of_parts(libraries: Any):
     LLVM links such a function only where something that is linked already calls it, and a part may name
     functions that its own code no longer calls.
     """
-    found: set[Any] = set()
+    parts: set[Any] = set()
     ended: list[Any] = []
 
     def visit(library: Any) -> None:
-        if library not in found:
-            found.add(library)
+        if library not in parts:
+            parts.add(library)
             for called in library._linking_libraries if isinstance(library, PartLibrary) else ():
                 visit(called)
             ended.append(library)

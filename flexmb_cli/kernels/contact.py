@@ -76,12 +76,15 @@ def _normal_force(c: np.ndarray, touch: np.void) -> float:
     touch["effort"] = touch["power"] = touch["energy"] = touch["stiffness"] = touch["damping"] = 0.0
     if depth == 0.0 or touch["state"] == SEPARATE:
         return 0.0
-    kept = c[RIGIDITY] * depth**n
+    spring = c[RIGIDITY] * depth**n
     share = max(0.0, 1.0 - c[LOSS] * touch["rate"])
-    N = kept * share
-    touch["stiffness"], touch["damping"] = n * kept / depth * share, kept * c[LOSS] if share > 0.0 else 0.0
-    touch["energy"] = kept * depth / (n + 1.0)
-    touch["effort"], touch["power"] = N, (N - kept) * touch["rate"]
+    N = spring * share
+    touch["stiffness"], touch["damping"] = (
+        n * spring / depth * share,
+        spring * c[LOSS] if share > 0.0 else 0.0,
+    )
+    touch["energy"] = spring * depth / (n + 1.0)
+    touch["effort"], touch["power"] = N, (N - spring) * touch["rate"]
     return N
 
 

@@ -172,8 +172,8 @@ def _is_joined(contacts: "Contacts", s: np.void, e: int, o: int) -> bool:
             low = middle + 1
         else:
             high = middle
-    found = low < s["first_joined"] + s["joined"]
-    return found and contacts.joined[low, 0] == e and contacts.joined[low, 1] == o
+    in_range = low < s["first_joined"] + s["joined"]
+    return in_range and contacts.joined[low, 0] == e and contacts.joined[low, 1] == o
 
 
 @kernel

@@ -74,8 +74,8 @@ def stretch(
 ) -> float:
     """c' · c' less c'' · (p - c): what c' · v is divided by for the rate of the parameter."""
     square = dot(d, d)
-    found = square - dot(b, apart)
-    return found if found > 0.1 * square else square
+    size = square - dot(b, apart)
+    return size if size > 0.1 * square else square
 
 
 @kernel

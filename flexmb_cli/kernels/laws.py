@@ -38,10 +38,10 @@ def answer_law(
 
     An element without direction acts with no force; its energy counts.
     """
-    effort, kept = _effort(law, functions, knots, t, answer)
+    effort, stored = _effort(law, functions, knots, t, answer)
     if not directed:
-        effort = kept = 0.0
-    answer[EFFORT], answer[POWER] = effort, (effort - kept) * answer[SPEED]
+        effort = stored = 0.0
+    answer[EFFORT], answer[POWER] = effort, (effort - stored) * answer[SPEED]
     return effort
 
 
@@ -66,7 +66,7 @@ def _effort(
     if law["shape"] != SPRING:
         return math.nan, math.nan
     k, s, b, preload = c[0], x - c[1], c[2], c[3]
-    kept, lost = preload + k * s, b * v
+    stored, lost = preload + k * s, b * v
     answer[STIFFNESS], answer[DAMPING] = k, b
     answer[ENERGY] = (preload + 0.5 * k * s) * s
     curve, energy, damper = f[0], f[1], f[2]
@@ -74,7 +74,7 @@ def _effort(
         force, slope, _ = function_values(functions, knots, curve, s)
         answer[STIFFNESS] += slope
         if energy >= 0:
-            kept += force
+            stored += force
             answer[ENERGY] += function_values(functions, knots, energy, s)[0]
         else:
             lost += force
@@ -82,7 +82,7 @@ def _effort(
         force, slope, _ = function_values(functions, knots, damper, v)
         lost += force
         answer[DAMPING] += slope
-    return -kept - lost, -kept
+    return -stored - lost, -stored
 
 
 @kernel

@@ -73,8 +73,8 @@ class VsdfBody:
     def position(self, node: int) -> np.ndarray:
         """Position (3,) of a node, or the mean of a set's, in the axes of the node table."""
         places = [self.nodes[member] for member in self.members(node)]
-        found: np.ndarray = places[0].copy() if len(places) == 1 else np.mean(places, axis=0)
-        return found + self.arms[node].offset if node in self.arms else found
+        centre: np.ndarray = places[0].copy() if len(places) == 1 else np.mean(places, axis=0)
+        return centre + self.arms[node].offset if node in self.arms else centre
 
     @property
     def A(self) -> np.ndarray:

@@ -218,8 +218,8 @@ class FlexibleBody:
     def rotation(self, node: int) -> np.ndarray | None:
         """Rotation of a node per unit of each modal coordinate, (3, N); None of one that has none."""
         row = self._row(node)
-        found = self.Psi[3 * row : 3 * row + 3]
-        return None if not found.size or np.isnan(found).any() else found
+        shape = self.Psi[3 * row : 3 * row + 3]
+        return None if not shape.size or np.isnan(shape).any() else shape
 
     def _row(self, node: int) -> int:
         rows = np.flatnonzero(self.numbers == node)

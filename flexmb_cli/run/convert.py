@@ -141,8 +141,8 @@ def _deck_of(deck: Deck, run: Run, form: str, units: tuple[Units, Units]) -> tup
         if not part:
             message = f"{dialect.title} decks are not converted to other dialects"
             raise ModelError([Fault("error", message, id="RUN-061")])
-    found = old.part(old.rigid_model)(deck, lambda: model_of(deck, run), lambda model: _start(model, run))
-    text: str = new.part(new.rigid_deck)(in_units(found, *units), _title(deck), units[1])
+    rigid = old.part(old.rigid_model)(deck, lambda: model_of(deck, run), lambda model: _start(model, run))
+    text: str = new.part(new.rigid_deck)(in_units(rigid, *units), _title(deck), units[1])
     try:
         return text, new.build(read_deck(DeckText("converted", text, ""), form), folder_of(run))[0]
     except DeckError as failure:
@@ -209,13 +209,13 @@ def _motion_of(model: DynamicModel, rows: int, run: Run | None = None) -> list[d
     first = _first_rows_of(model, rows)
     blocks = list(solution_of(first, run or Run(Outcome(""), RunOptions())).blocks())
     names = {"r": "position", "p": "euler_parameters", "v": "velocity", "omega": "angular_velocity"}
-    found = []
+    states = []
     for values in blocks:
         for row in range(len(values["time"])):
             motion = {short: values[f"body/{name}"][row] for short, name in names.items()}
             q = values["coordinate/q"][row] if "coordinate/q" in values else ()
-            found.append(motion | {"q": q})
-    return found
+            states.append(motion | {"q": q})
+    return states
 
 
 def _start(model: DynamicModel, run: Run) -> Start:

@@ -119,10 +119,14 @@ def set_study_aside(file: str) -> str:
 def _state(file: str) -> tuple[int, ...] | None:
     """Return the identity of a regular file and of its content, None where there is none."""
     try:
-        found = os.stat(file)
+        file_state = os.stat(file)
     except (OSError, ValueError):
         return None
-    return (found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns) if os.path.isfile(file) else None
+    return (
+        (file_state.st_dev, file_state.st_ino, file_state.st_size, file_state.st_mtime_ns)
+        if os.path.isfile(file)
+        else None
+    )
 
 
 def _is_study(file: str) -> bool:

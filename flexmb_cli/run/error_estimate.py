@@ -96,14 +96,14 @@ class ErrorEstimate:
     def as_dict(self) -> dict[str, Any]:
         """The largest errors, for `--json`."""
         keys = ("error", "time", "largest")
-        return {path: dict(zip(keys, found, strict=True)) for path, found in self.largest.items()}
+        return {path: dict(zip(keys, figures, strict=True)) for path, figures in self.largest.items()}
 
 
 def estimate_text(largest: dict[str, Any]) -> str:
     """A line for every quantity: its largest global error, when that is, and its largest value."""
     lines = ["  estimated global error       at t, s   of at most  quantity"]
-    for path, found in largest.items():
-        lines.append(f"  {found['error']:22.2e}  {found['time']:12.6g}  {found['largest']:11.3e}  {path}")
+    for path, error in largest.items():
+        lines.append(f"  {error['error']:22.2e}  {error['time']:12.6g}  {error['largest']:11.3e}  {path}")
     return "\n".join(lines)
 
 
@@ -143,8 +143,8 @@ def _is_estimated(path: str) -> bool:
 
 def _apart(a: np.ndarray, b: np.ndarray) -> Any:
     """The largest distance in each row of a and b (T, ...); nan in rows that only a has."""
-    found = np.full(len(a), np.nan)
+    apart = np.full(len(a), np.nan)
     count = len(b)
     if count:
-        found[:count] = np.max(np.abs(a[:count] - b).reshape(count, -1), axis=1, initial=0.0)
-    return found
+        apart[:count] = np.max(np.abs(a[:count] - b).reshape(count, -1), axis=1, initial=0.0)
+    return apart

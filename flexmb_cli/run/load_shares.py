@@ -39,8 +39,7 @@ def with_grid(model: Any, grid: TimeGrid) -> Any:
 
 def grid_of(model: Any) -> TimeGrid:
     """Return the report times of a model."""
-    found: TimeGrid = model.mechanism.time if hasattr(model, "mechanism") else model.time
-    return found
+    return model.mechanism.time if hasattr(model, "mechanism") else model.time
 
 
 def _times(share: float, vector: Any) -> Any:

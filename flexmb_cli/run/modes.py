@@ -157,16 +157,16 @@ def arrays_of(record: dict[str, Any]) -> dict[str, np.ndarray]:
     """
     sizes = {what: len(record[what]) for what in ("states", "inputs", "outputs")}
     shapes = zip("ABCD", SHAPES, strict=True)
-    found = {
+    arrays = {
         name: np.array(record[name], float).reshape([sizes[what] for what in shape]) for name, shape in shapes
     }
     for what in ("state", "input", "output"):
         for suffix, key in (("s", "name"), ("_units", "unit")):
-            found[what + suffix] = np.array([signal[key] for signal in record[f"{what}s"]], dtype=str)
-    found["state_relative_to"] = np.array([signal["relative_to"] for signal in record["states"]], dtype=str)
-    found["constant"] = np.array([record["constant"][name] for name in "ABCD"])
-    found["time"], found["axes"] = np.array(record["time"]), np.array(record["axes"])
-    return found
+            arrays[what + suffix] = np.array([signal[key] for signal in record[f"{what}s"]], dtype=str)
+    arrays["state_relative_to"] = np.array([signal["relative_to"] for signal in record["states"]], dtype=str)
+    arrays["constant"] = np.array([record["constant"][name] for name in "ABCD"])
+    arrays["time"], arrays["axes"] = np.array(record["time"]), np.array(record["axes"])
+    return arrays
 
 
 def npz_bytes(record: dict[str, Any]) -> bytes:

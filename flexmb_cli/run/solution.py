@@ -114,8 +114,8 @@ def _resumable_if_stopped(paths: ResultPaths, run: Run) -> Iterator[None]:
 
 def _resume_file(deck: Deck, solution: Solution, paths: ResultPaths, run: Run) -> ResumeFile:
     """Return the resume file of a run, one without a path where the run cannot be resumed."""
-    kept = paths.resume if solution.resumable else None
-    resume_file = ResumeFile(kept, identity_of(deck, solution, run))
+    path = paths.resume if solution.resumable else None
+    resume_file = ResumeFile(path, identity_of(deck, solution, run))
     if run.options.resume:
         from .resumed import largest_entry, restore
 
@@ -192,13 +192,13 @@ class _RowWriter:
 
         Raises KeyboardInterrupt or Terminated only before the last row is written.
         """
-        outcome, listener, wanted = self.run.outcome, self.run.listener, self.solution.rows
+        outcome, listener, rows = self.run.outcome, self.run.listener, self.solution.rows
         with Stop.released():
-            listener.begin(wanted)
+            listener.begin(rows)
             for values in self._blocks():
                 with Stop.later():
                     self._write_block(values)
-                    if outcome.rows >= wanted:
+                    if outcome.rows >= rows:
                         Stop.too_late()
                 listener.advance(len(values["time"]))
                 Stop.raise_if_asked()

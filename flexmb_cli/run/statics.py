@@ -81,15 +81,15 @@ class StaticsReport:
         """The record that `--json` prints."""
         record = self.outcome.as_dict() | {"equilibria": []}
         for k, each in enumerate(self.equilibria):
-            found: dict[str, Any] = {"load_factor": each.share, "time": each.time}
-            found |= {"stability": each.stiffness.stability}
-            found |= {"eigenvalues": each.stiffness.eigenvalues.tolist()}
-            found |= {"coordinates": list(each.stiffness.names), "units": list(each.stiffness.units)}
-            found |= {"relative_to": list(each.stiffness.relative_to)}
-            found |= {"stiffness": each.stiffness.matrix.tolist()}
+            fields: dict[str, Any] = {"load_factor": each.share, "time": each.time}
+            fields |= {"stability": each.stiffness.stability}
+            fields |= {"eigenvalues": each.stiffness.eigenvalues.tolist()}
+            fields |= {"coordinates": list(each.stiffness.names), "units": list(each.stiffness.units)}
+            fields |= {"relative_to": list(each.stiffness.relative_to)}
+            fields |= {"stiffness": each.stiffness.matrix.tolist()}
             for path, names, values in self.named():
-                found[path] = dict(zip(names, values[k].tolist(), strict=True))
-            record["equilibria"].append(found)
+                fields[path] = dict(zip(names, values[k].tolist(), strict=True))
+            record["equilibria"].append(fields)
         return record
 
 
@@ -244,8 +244,8 @@ def _write(report: StaticsReport, run: Run) -> None:
 
     assert report.deck is not None and report.layout is not None, "there are equilibria"
     layout, values = report.layout, report.values
-    wanted = {TIME.path, *(series.path for series in layout.series)}
+    paths = {TIME.path, *(series.path for series in layout.series)}
     result = ResultFile(path, report.deck, layout)
-    result.rows({name: array for name, array in values.items() if name in wanted})
+    result.rows({name: array for name, array in values.items() if name in paths})
     result.close(notes=sentences(run.outcome.faults))
     run.outcome.files = (path,)

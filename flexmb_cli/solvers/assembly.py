@@ -186,13 +186,13 @@ def nearest_of(
 
     `finish` corrects what a search finds to round-off; `met`: scaled gap that counts as closed.
     """
-    found: list[Position] = []
-    for start, damping in _starts(sized, q, found, met):
-        found.append(finish(sized.search(start, damping, free)))
-    closed = [one for one in found if is_closed(one[1], met)]
+    positions: list[Position] = []
+    for start, damping in _starts(sized, q, positions, met):
+        positions.append(finish(sized.search(start, damping, free)))
+    closed = [one for one in positions if is_closed(one[1], met)]
     if closed:
         return min(closed, key=lambda one: sized.distance(q, one[0]))
-    return min(found, key=lambda one: largest(one[1]))
+    return min(positions, key=lambda one: largest(one[1]))
 
 
 def _starts(

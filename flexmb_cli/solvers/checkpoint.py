@@ -113,7 +113,7 @@ def taken(
     if array is None or array.ndim != len(shape):
         raise OtherRun(name)
     fits = array.dtype.kind in "iuf" if dtype is None else array.dtype == dtype
-    if not fits or any(wanted not in (None, found) for wanted, found in zip(shape, array.shape, strict=True)):
+    if not fits or any(expected not in (None, n) for expected, n in zip(shape, array.shape, strict=True)):
         raise OtherRun(name)
     return array
 

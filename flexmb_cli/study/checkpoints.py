@@ -90,7 +90,7 @@ class RecordForm(NamedTuple):
     @classmethod
     def of(cls, study: Study, rows: int) -> "RecordForm":
         """Return the form of the cases of a study whose deck has so many report rows."""
-        series = sum(kept.take == SERIES for kept in study.results)
+        series = sum(result.take == SERIES for result in study.results)
         return cls(len(study.parameters), len(study.results) - series, series, rows if series else 0)
 
     @property
@@ -101,8 +101,8 @@ class RecordForm(NamedTuple):
 
     def fits(self, result: CaseResult) -> bool:
         """Return whether a record has this form."""
-        found = (result.parameters.size, result.values.size, *result.series.shape)
-        return found == tuple(self)
+        sizes = (result.parameters.size, result.values.size, *result.series.shape)
+        return sizes == tuple(self)
 
 
 class Parts:
@@ -120,9 +120,9 @@ class Parts:
         """
         if os.path.isdir(self.folder) and self._stored_identity() is None:
             with located(self.folder), ManagedFolder(self.folder) as folder:
-                found = set(folder.names()) - {LOCK}
+                names = set(folder.names()) - {LOCK}
             # A kill may have left a folder that was being begun or removed.
-            if found and _UNFINISHED_IDENTITY not in found:
+            if names and _UNFINISHED_IDENTITY not in names:
                 message = (
                     f"{self.folder}: the folder is not empty and holds no study; remove it or give --parts"
                 )
@@ -134,9 +134,9 @@ class Parts:
 
         Raises ModelError when the folder belongs to another study, OutputError when it cannot be written.
         """
-        found = self._stored_identity()
-        if found is not None and not fresh:
-            self._refuse_other(found)
+        stored = self._stored_identity()
+        if stored is not None and not fresh:
+            self._refuse_other(stored)
             return True
         self.remove()
         with located(self.folder), ManagedFolder(self.folder) as folder:
@@ -204,10 +204,10 @@ class Parts:
                 ManagedFolder(self.folder) as folder,
                 open(folder.open(_IDENTITY, os.O_RDONLY), encoding="utf-8") as file,
             ):
-                found = json.loads(file.read(_LONGEST_IDENTITY))
+                stored = json.loads(file.read(_LONGEST_IDENTITY))
         except (OSError, ValueError, RecursionError):
             return None
-        return found if isinstance(found, dict) else None
+        return stored if isinstance(stored, dict) else None
 
     def _refuse_other(self, found: dict[str, str]) -> None:
         other = [name for name in self.identity if found.get(name) != self.identity[name]]

@@ -264,8 +264,8 @@ def curve_family(table: h5py.File, patterns: Iterable[str], file: str) -> CurveF
     solved = np.flatnonzero(table[EXIT_CODE][:] == 0)
     cases = cases_table(table, (), file, with_results=False)
     chosen = np.unique(np.linspace(0, len(solved) - 1, min(MOST_CASE_CURVES, len(solved))).astype(int))
-    kept = {name: values[chosen] for name, values in cases.parameters.items()}
-    cases = CasesTable(cases.deck_name, kept, {}, cases.failed)
+    parameters = {name: values[chosen] for name, values in cases.parameters.items()}
+    cases = CasesTable(cases.deck_name, parameters, {}, cases.failed)
     series = {column.label: table[column.path][solved[chosen]] for column in named}
     return CurveFamily(cases, table[TIMES][solved[chosen]], series)
 

@@ -315,8 +315,8 @@ def _of_target(target: Target, series: dict[str, np.ndarray]) -> Iterator[tuple[
     yield Column(f"{group}/time", "s", "report times"), times
     yield Column(f"{group}/curve", "1", "the quantities at the report times"), curve
     if target.formula:
-        wanted = np.broadcast_to(target.formula.value({"time": times}.__getitem__), times.shape)
-        yield Column(f"{group}/wanted", "1", target.formula.text), np.array(wanted)[:, None]
+        target_values = np.broadcast_to(target.formula.value({"time": times}.__getitem__), times.shape)
+        yield Column(f"{group}/wanted", "1", target.formula.text), np.array(target_values)[:, None]
         yield Column(f"{group}/wanted_time", "s", "times of what is wanted"), times
         return
     at, _ = reached(target, times, curve)

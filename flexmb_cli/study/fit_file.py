@@ -247,7 +247,7 @@ class _FitReader(StudyReader):
     def _columns(self, item: dict[str, Any]) -> list[tuple[float, ...]]:
         """Return the times and the columns of a CSV file; units in brackets are left out of their heads."""
         names = item.get("column", [])
-        wanted = [item.get("time", "time"), *([names] if isinstance(names, str) else names)]
+        columns = [item.get("time", "time"), *([names] if isinstance(names, str) else names)]
         path = os.path.join(self.folder, item["file"])
         if not os.path.isfile(path):  # a pipe would be waited for
             raise ValueError(f"{item['file']} is no regular file")
@@ -255,10 +255,10 @@ class _FitReader(StudyReader):
             text = file.read(2**26)
         table = [row for row in csv.reader(text.splitlines()) if row and not row[0].startswith("#")]
         heads = [re.sub(r"\s*\[.*\]\s*$", "", head).strip() for head in table[0]] if table else []
-        for name in wanted:
+        for name in columns:
             if name not in heads:
                 raise ValueError(f"it has no column {name!r}; its columns are {', '.join(heads)}")
-        places = [heads.index(name) for name in wanted]
+        places = [heads.index(name) for name in columns]
         return [tuple(float(row[place]) for row in table[1:]) for place in places]
 
     def _wrong(self, name: str, message: str, id: str) -> Any:

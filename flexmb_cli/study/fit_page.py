@@ -50,11 +50,11 @@ def _history(table: h5py.File) -> dict[str, Any]:
 
 def _target(target: h5py.Group) -> dict[str, Any]:
     """A path of two quantities over each other, with equal scales; else each over the time."""
-    curve, wanted = target["curve"][:], target["wanted"][:]
+    curve, target_curve = target["curve"][:], target["wanted"][:]
     names = target["quantity"].asstr()[:]
     if curve.shape[1] == 2:
         traces = [_trace("lines", curve[:, 0], curve[:, 1], "motion"),
-                  _trace("markers", wanted[:, 0], wanted[:, 1], "wanted")]  # fmt: skip
+                  _trace("markers", target_curve[:, 0], target_curve[:, 1], "wanted")]  # fmt: skip
         titles = dict(zip(("xaxis", "yaxis"), names, strict=True))
         layout = {axis: {"title": {"text": shown_html(name)}} for axis, name in titles.items()}
         layout["yaxis"]["scaleanchor"] = "x"  # type: ignore[assignment]
@@ -63,7 +63,7 @@ def _target(target: h5py.Group) -> dict[str, Any]:
     for k in range(curve.shape[1]):
         name = shown_html(names[k])
         traces.append(_trace("lines", target["time"][:], curve[:, k], name))
-        traces.append(_trace("markers", target["wanted_time"][:], wanted[:, k], f"{name}, wanted"))
+        traces.append(_trace("markers", target["wanted_time"][:], target_curve[:, k], f"{name}, wanted"))
     return {"data": traces, "layout": {"xaxis": {"title": {"text": "time [s]"}}}}
 
 

@@ -130,8 +130,8 @@ class VariantSolver:
         times, curve = series["time"], curve_of(target, series)
         if target.formula:
             inside = (times >= target.start) & (times <= target.end)
-            wanted = np.broadcast_to(target.formula.value({"time": times}.__getitem__), times.shape)
-            return target.weight * np.where(inside, curve[:, 0] - wanted, 0.0)
+            target_values = np.broadcast_to(target.formula.value({"time": times}.__getitem__), times.shape)
+            return target.weight * np.where(inside, curve[:, 0] - target_values, 0.0)
         residuals: np.ndarray = reached(target, times, curve)[1] - np.array(target.points)
         return target.weight * residuals.ravel()
 

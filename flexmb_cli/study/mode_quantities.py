@@ -46,9 +46,9 @@ class ModeQuantities:
         if analysis not in MODES or (analysis == "dynamic" and model.analysis != "forward"):
             message = "modes need masses and a free motion; drivers prescribe this one"
             raise ModelError([Fault("error", message, id="RUN-165")])
-        found = MODES[analysis](model, self.wish, run)
-        values: np.ndarray = found.modes.eigenvalues
-        return values[values.imag > 1e-7 * np.abs(values)], found.time
+        linearised = MODES[analysis](model, self.wish, run)
+        values: np.ndarray = linearised.modes.eigenvalues
+        return values[values.imag > 1e-7 * np.abs(values)], linearised.time
 
     def _quantity(self, name: str) -> Quantity:
         match = NAME.fullmatch(name)
@@ -80,11 +80,10 @@ class ModeQuantities:
         """Return the derivatives (1, of) by a number whose size is `scale`.  Raises FlexmbError."""
 
         def values(change: float) -> np.ndarray:
-            found, _ = self._eigenvalues(name, change)
-            return self._columns(self._in_order(found))
+            eigenvalues, _ = self._eigenvalues(name, change)
+            return self._columns(self._in_order(eigenvalues))
 
-        found: np.ndarray = differentiated(values, STEP * scale)
-        return found
+        return differentiated(values, STEP * scale)
 
     def _in_order(self, eigenvalues: np.ndarray) -> np.ndarray:
         """Return those of a neighbour in the order of those of the deck: frequencies may cross."""
@@ -94,5 +93,4 @@ class ModeQuantities:
             message = "a mode stops oscillating near the numbers of the deck: there is no derivative"
             raise AnalysisError(Fault("error", message, id="RUN-168"), float(self.time[0]))
         distance = np.abs(self.eigenvalues[:, None] - eigenvalues)
-        found: np.ndarray = eigenvalues[linear_sum_assignment(distance)[1]]
-        return found
+        return eigenvalues[linear_sum_assignment(distance)[1]]

@@ -351,8 +351,8 @@ class StudyReader:
 
     def _place(self, name: str) -> Place | None:
         """Return where the name stands as a key, at best of the table being read."""
-        found = self._places.get((self.within, name)) or self._places.get(("", name))
-        return Place(*found, len(name)) if found else None
+        line_and_column = self._places.get((self.within, name)) or self._places.get(("", name))
+        return Place(*line_and_column, len(name)) if line_and_column else None
 
     @cached_property
     def _places(self) -> dict[tuple[str, str], tuple[int, int]]:

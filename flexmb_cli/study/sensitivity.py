@@ -63,9 +63,9 @@ class Sensitivity:
         """Return p/Q dQ/dp (rows, of, to), the relative change of Q by that of p; nan where Q is 0."""
         p = np.array([float(number.value) for number in self.to.values()])
         with np.errstate(divide="ignore", invalid="ignore"):
-            found: np.ndarray = self.derivatives * p / self.values[:, :, None]
-        found[~np.isfinite(found)] = np.nan
-        return found
+            relative_derivatives: np.ndarray = self.derivatives * p / self.values[:, :, None]
+        relative_derivatives[~np.isfinite(relative_derivatives)] = np.nan
+        return relative_derivatives
 
     @cached_property
     def result(self) -> Result:
@@ -267,8 +267,7 @@ class OfRun:
 
 def _one_sided(values: Values, h: float, here: np.ndarray) -> np.ndarray:
     """Return the derivative of values(change) by those at 0, h and 2 h; raises FlexmbError."""
-    found: np.ndarray = (4.0 * values(h) - values(2.0 * h) - 3.0 * here) / (2.0 * h)
-    return found
+    return (4.0 * values(h) - values(2.0 * h) - 3.0 * here) / (2.0 * h)
 
 
 class OfEquilibrium(OfRun):
@@ -281,10 +280,7 @@ class OfEquilibrium(OfRun):
 
     def derivative(self, name: str, scale: float) -> np.ndarray:
         """Return the derivatives (1, of) by a number whose size is `scale`.  Raises FlexmbError."""
-        found: np.ndarray = differentiated(
-            lambda change: self._changed_values(name, change), OF_EQUILIBRIUM * scale
-        )
-        return found
+        return differentiated(lambda change: self._changed_values(name, change), OF_EQUILIBRIUM * scale)
 
 
 class OfKinematics(OfRun):
@@ -333,8 +329,7 @@ class OfKinematics(OfRun):
 def _motion(solution: Solution) -> KinematicAnalysis:
     """Return the kinematic analysis of a motion that drivers prescribe."""
     analysis: Any = solution.analysis
-    found: KinematicAnalysis = analysis.motion if isinstance(analysis, InverseDynamics) else analysis
-    return found
+    return analysis.motion if isinstance(analysis, InverseDynamics) else analysis
 
 
 def type_of(solution: Solution) -> type[OfRun]:

@@ -156,10 +156,12 @@ class CaseSolver:
             values, plain = self._together.solve(parameters)
         except (MemoryError, OverflowError):  # each of them alone may be spared it, or else reports it
             return [self.solve(case) for case in cases]
-        found = [self._values_of(quantity, values).reshape(len(cases), -1) for quantity in self.quantities]
+        columns = [self._values_of(quantity, values).reshape(len(cases), -1) for quantity in self.quantities]
         times = values["time"].reshape(len(cases), -1)
         return [
-            self._plain_result(case, times[k], [rows[k] for rows in found]) if plain[k] else self.solve(case)
+            self._plain_result(case, times[k], [rows[k] for rows in columns])
+            if plain[k]
+            else self.solve(case)
             for k, case in enumerate(cases)
         ]
 
@@ -275,14 +277,14 @@ def _reported(fault: Exception) -> tuple[int, str]:
 def _quantities(study: Study, deck: Deck, solution: Solution | None) -> list[Quantity]:
     """Return what the study keeps, looked up in a result without rows.  Raises DeckError."""
     faults: list[Fault] = []
-    found = [modal_quantity(item, faults) if item.take in MODAL else None for item in study.results]
+    quantities = [modal_quantity(item, faults) if item.take in MODAL else None for item in study.results]
     if solution:
         with empty_result(deck, solution.layout()) as result:
-            named = zip(study.results, found, strict=True)
-            found = [quantity or _one(result, item, faults) for item, quantity in named]
+            named = zip(study.results, quantities, strict=True)
+            quantities = [quantity or _one(result, item, faults) for item, quantity in named]
     if faults:
         raise DeckError(faults)
-    return [quantity for quantity in found if quantity is not None]
+    return [quantity for quantity in quantities if quantity is not None]
 
 
 def _one(result: "h5py.File", item: Kept, faults: list[Fault]) -> Quantity | None:
@@ -290,17 +292,17 @@ def _one(result: "h5py.File", item: Kept, faults: list[Fault]) -> Quantity | Non
         return None  # which has its fault
     subject = f"result {item.name}"
     try:
-        found = resolve(result, [item.quantity])
+        quantities = resolve(result, [item.quantity])
     except ResultError as failure:
         message = str(failure).removesuffix(SHOWS_ALL)
         faults.append(Fault("error", message, item.place, subject, id="STUDY-016"))
         return None
-    if len(found) > 1:
-        names = ", ".join(quantity.name for quantity in found[:6])
+    if len(quantities) > 1:
+        names = ", ".join(quantity.name for quantity in quantities[:6])
         message = f"{item.quantity} is more than one number: {names} …; name one"
         faults.append(Fault("error", message, item.place, subject, id="STUDY-054"))
         return None
-    return found[0]
+    return quantities[0]
 
 
 class _Taken:

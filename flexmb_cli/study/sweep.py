@@ -320,19 +320,19 @@ def _rows(sweep: Sweep) -> Iterator[Row]:
     takes = sweep.solver.takes
     for result in _every_case(sweep):
         values, series = iter(result.values), iter(result.series)
-        kept = [next(series if take == SERIES else values) for take in takes]
-        yield result.case + 1, result.exit_code, result.rows, result.message, [*result.parameters, *kept]
+        results = [next(series if take == SERIES else values) for take in takes]
+        yield result.case + 1, result.exit_code, result.rows, result.message, [*result.parameters, *results]
 
 
 def _every_case(sweep: Sweep) -> Iterator[CaseResult]:
     """The result of every case.  Raises OutputError with the numbers of those that are not kept."""
     missing: list[range] = []
     for block in range(sweep.job.blocks):
-        found, cases = list(sweep.job.stored(block)), sweep.job.cases(block)
-        if len(found) < len(cases):
-            _add(missing, cases[len(found) :])
+        stored, cases = list(sweep.job.stored(block)), sweep.job.cases(block)
+        if len(stored) < len(cases):
+            _add(missing, cases[len(stored) :])
         elif not missing:
-            yield from found
+            yield from stored
     if missing:
         raise OutputError(_reported(missing, sweep.job), ANALYSIS_FAILED, id="STUDY-020")
 

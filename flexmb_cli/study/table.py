@@ -112,21 +112,21 @@ def _datasets(file: h5py.File, head: TableHead) -> dict[str, h5py.Dataset]:
     file.attrs.update(attributes)
     for name, text in (("study", head.study), ("deck", head.deck)):
         _describe(file.create_dataset(name, data=text, dtype=TEXT), "1", f"text of the {name}")
-    made = {name: _dataset(file, name, head.rows, "i8", long_name) for name, long_name in COUNTS}
-    made["message"] = _dataset(file, "message", head.rows, TEXT, "why the case failed")
+    datasets = {name: _dataset(file, name, head.rows, "i8", long_name) for name, long_name in COUNTS}
+    datasets["message"] = _dataset(file, "message", head.rows, TEXT, "why the case failed")
     for column in head.columns:
         shape = (head.rows, column.length) if column.length else head.rows
-        made[column.path] = _dataset(file, column.path, shape, "f8", column.long_name, column.units)
-    made["case"].make_scale("case")
-    for name, dataset in made.items():
+        datasets[column.path] = _dataset(file, column.path, shape, "f8", column.long_name, column.units)
+    datasets["case"].make_scale("case")
+    for name, dataset in datasets.items():
         if name != "case":
-            dataset.dims[0].attach_scale(made["case"])
+            dataset.dims[0].attach_scale(datasets["case"])
     for length in sorted({column.length for column in head.columns if column.length}):
         scale = _row_scale(file, length)
         for column in head.columns:
             if column.length == length:
-                made[column.path].dims[1].attach_scale(scale)
-    return made
+                datasets[column.path].dims[1].attach_scale(scale)
+    return datasets
 
 
 def _add_summary(file: h5py.File, head: TableHead) -> None:

@@ -101,13 +101,13 @@ def chosen_columns(
     patterns = list(patterns)
     if not patterns:
         return [column for column in columns if column.path not in ("rows", MESSAGE) and not column.length]
-    found = {columns[0]: None}
+    names = {columns[0]: None}
     for pattern in patterns:
         named = [column for column in columns if column.is_called(pattern)]
         if not named:
             raise ResultError(file, _unknown(columns, pattern), id="STUDY-023")
-        found.update(dict.fromkeys(named))
-    return list(found)
+        names.update(dict.fromkeys(named))
+    return list(names)
 
 
 def _unknown(columns: Sequence[StudyColumn], pattern: str) -> str:
@@ -221,9 +221,9 @@ def cases_table(
     Raises ResultError for a pattern that names none, a series, and a study without a solved case.
     """
     columns = study_columns(table)
-    wanted = [column for column in chosen_columns(columns, patterns, file) if _is(column, "result")]
-    series = [column.name for column in wanted if column.length]
-    if with_results and (series or not wanted):
+    columns_shown = [column for column in chosen_columns(columns, patterns, file) if _is(column, "result")]
+    series = [column.name for column in columns_shown if column.length]
+    if with_results and (series or not columns_shown):
         message = (
             f"{series[0]} is a series of each case: draw it alone"
             if series
@@ -237,7 +237,7 @@ def cases_table(
     return CasesTable(
         table.attrs["deck_name"],
         {column.label: table[column.path][:][solved] for column in parameters},
-        {column.label: table[column.path][:][solved] for column in wanted if with_results},
+        {column.label: table[column.path][:][solved] for column in columns_shown if with_results},
         int((~solved).sum()),
     )
 

@@ -81,8 +81,8 @@ class _Work:
         return True
 
     def _start(self) -> None:
-        wanted = len(self.waiting) or min(1, len(self.alone))
-        while len(self.given) < min(self.jobs, wanted):
+        count = len(self.waiting) or min(1, len(self.alone))
+        while len(self.given) < min(self.jobs, count):
             try:
                 self.given[Worker(_serve, self.sweep.job, runs_script=False)] = deque()
             except OSError as fault:

@@ -11,13 +11,13 @@ def commit(checkout: Path = CHECKOUT, built_from: Path = BUILT_FROM) -> str:
     """Return the first digits of the commit, "" where neither checkout nor installation has it."""
     try:
         if (checkout / "pyproject.toml").is_file():
-            found = _head(_git_folder(checkout))
+            digits = _head(_git_folder(checkout))
         else:
-            found = built_from.read_text(encoding="utf-8").strip()
+            digits = built_from.read_text(encoding="utf-8").strip()
     except (OSError, UnicodeDecodeError):
         return ""
-    is_hash = len(found) >= DIGITS_SHOWN and all(digit in "0123456789abcdef" for digit in found)
-    return found[:DIGITS_SHOWN] if is_hash else ""
+    is_hash = len(digits) >= DIGITS_SHOWN and all(digit in "0123456789abcdef" for digit in digits)
+    return digits[:DIGITS_SHOWN] if is_hash else ""
 
 
 def _git_folder(checkout: Path) -> Path:
@@ -44,7 +44,7 @@ def _head(git: Path) -> str:
 
 def _packed(folder: Path, name: str) -> str:
     for line in (folder / "packed-refs").read_text(encoding="utf-8").splitlines():
-        found, _, ref = line.partition(" ")
+        digits, _, ref = line.partition(" ")
         if ref == name:
-            return found
+            return digits
     return ""

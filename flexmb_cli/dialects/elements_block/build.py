@@ -70,20 +70,20 @@ class BlockBuilder:
 
     def elements(self, lines: Sequence[ElementLine], more: Makers) -> JointElements:
         """The elements of all lines but functions; `more`: makers of those of the dialect, by their words."""
-        found: dict[str, list[Any]] = {}
+        of_law: dict[str, list[Any]] = {}
         for line in lines:
             if line.word in ("FUNCTION", "SIGNAL", OUTPUT, MASS, UNITS):
                 continue
             field, item = self._element(line, more)
             if item is not None:
-                found.setdefault(field, []).append(item)
-        self._put_off(found, lines)
-        self._refuse_twice(found)
-        for item in found.get("starts", ()) if "rests" in found else ():
+                of_law.setdefault(field, []).append(item)
+        self._put_off(of_law, lines)
+        self._refuse_twice(of_law)
+        for item in of_law.get("starts", ()) if "rests" in of_law else ():
             message = "START equilibrium says how the motion begins; remove one of them"
             self.findings.error(item.name, message, item.place, id="ELEMENTS-200")
-        self._refuse_driven(found.get("starts", ()), found.get("drivers", ()))
-        groups: dict[str, Any] = {name: tuple(items) for name, items in found.items()}
+        self._refuse_driven(of_law.get("starts", ()), of_law.get("drivers", ()))
+        groups: dict[str, Any] = {name: tuple(items) for name, items in of_law.items()}
         groups["forces"] = motors_last(groups.get("forces", ()))
         groups["signals"] = built_signals(lines, self.measures, self.functions, groups["forces"])
         return JointElements(**groups)
@@ -164,11 +164,11 @@ class BlockBuilder:
 
     def _measure(self, line: ElementLine, law: Any) -> Any:
         if "joint" in line:
-            found = self.measures.sliding(line)
-            if found and found[1] and not line["radius"] > 0.0:
+            sliding = self.measures.sliding(line)
+            if sliding and sliding[1] and not line["radius"] > 0.0:
                 message = "a joint that turns needs the radius of its bearing"
                 self.findings.error(line.subject, message, line.at("radius").place, id="ELEMENTS-011")
-            return found and Joint(found[0])
+            return sliding and Joint(sliding[0])
         if "at" in line:
             at = self.measures.at(line)
             return at and At(*at)
@@ -370,18 +370,18 @@ class BlockBuilder:
             )
             self.findings.error(line.subject, message, line.place, id="ELEMENTS-127")
             return None
-        found = tuple(self.functions.path(line, axis) for axis in "xyz")
-        if None in found:
+        coordinates = tuple(self.functions.path(line, axis) for axis in "xyz")
+        if None in coordinates:
             return None
-        periods = {(f.pieces[0][0], f.c[0]) for f in found if f is not None and f.kind == PERIODIC}
+        periods = {(f.pieces[0][0], f.c[0]) for f in coordinates if f is not None and f.kind == PERIODIC}
         if "begin" in line and "end" in line:
-            return found, float(line["begin"]), float(line["end"])
+            return coordinates, float(line["begin"]), float(line["end"])
         if len(periods) != 1:
             message = "a curve of functions needs begin= and end=, unless all its functions have one period"
             self.findings.error(line.subject, message, line.place, id="ELEMENTS-125")
             return None
         ((begin, period),) = periods
-        return found, begin, begin + period
+        return coordinates, begin, begin + period
 
     def _term(self, line: ElementLine, number: Number) -> tuple[int, str, float] | None:
         if number.value == 0.0:

@@ -24,22 +24,22 @@ _KEYS = (
 def touch_of(line: ElementLine, measures: Measures, folder: Path) -> Touch | None:
     """Return the shapes of a contact, meshes from files in `folder`; None where there is a fault."""
     first, second = line.kind.split("-")
-    wanted = (*OF_FIRST[first], *OF_SECOND[second])
+    keys = (*OF_FIRST[first], *OF_SECOND[second])
     given = [key for key in _KEYS if key in line or f"{key}.x" in line]
     before = _errors(measures)
-    for key in wanted:
+    for key in keys:
         if key not in given:
-            message = f"{line.kind} needs {key}=; its shapes have {' and '.join(wanted)}"
+            message = f"{line.kind} needs {key}=; its shapes have {' and '.join(keys)}"
             measures.findings.error(line.subject, message, line.place, id="ELEMENTS-070")
     for key in given:
-        if key not in wanted:
-            message = f"{line.kind} has no {key}; its shapes have {' and '.join(wanted)}"
+        if key not in keys:
+            message = f"{line.kind} has no {key}; its shapes have {' and '.join(keys)}"
             measures.findings.error(line.subject, message, line.place, id="ELEMENTS-067")
     _check_law(line, measures)
     if _errors(measures) > before:
         return None
     shapes: dict[str, Any] = {}
-    for key in wanted:
+    for key in keys:
         shapes[key] = line.vector(key) if f"{key}.x" in line else line[key]
     for key, value in shapes.items():
         _check_size(line, measures, key, value)
@@ -122,7 +122,7 @@ def _texts(line: ElementLine, end: str, key: str) -> list[Any]:
 def _ends(line: ElementLine, measures: Measures) -> dict[str, list[tuple[int, Any]]] | None:
     """Return the bodies of each end, and points on them; None where there is a fault."""
     bodies = {end: _range(line, measures, end, "body", "last") for end in ("from", "to")}
-    found: dict[str, list[tuple[int, Any]]] = {"from": [], "to": []}
+    shapes: dict[str, list[tuple[int, Any]]] = {"from": [], "to": []}
     for side, (end, other) in enumerate((("from", "to"), ("to", "from"))):
         for body, node in product(bodies[end], _range(line, measures, end, "node", "last_node")):
             # The other end stands for all others: any body but this one.
@@ -131,8 +131,8 @@ def _ends(line: ElementLine, measures: Measures) -> dict[str, list[tuple[int, An
             ends = measures.ends(_with_values(line, values))
             if ends is None:
                 return None
-            found[end].append((ends[side], ends[side + 2]))
-    return found if found["from"] and found["to"] else None
+            shapes[end].append((ends[side], ends[side + 2]))
+    return shapes if shapes["from"] and shapes["to"] else None
 
 
 def _with_values(line: ElementLine, values: dict[str, int]) -> ElementLine:

@@ -45,8 +45,8 @@ def given_functions(
     for line in lines:
         if line.word == "FUNCTION":
             _refuse_number_of_table(line, tables or {}, findings)
-            found = _values(line, folder, findings, tables)
-            yield GivenFunction(line, *(found or ((), lambda _: None, True)))
+            values = _values(line, folder, findings, tables)
+            yield GivenFunction(line, *(values or ((), lambda _: None, True)))
 
 
 def _refuse_number_of_table(line: ElementLine, tables: Mapping[int, Any], findings: Findings) -> None:
@@ -72,8 +72,8 @@ def _values(line: ElementLine, folder: Path, findings: Findings, tables: Any) ->
         message = f"{line.kind} takes numbers; files and cards TABL give points of a table or spline"
         findings.error(line.subject, message, line.at(ways[0]).place, id="ELEMENTS-043")
         return None
-    found = numbers_of_file(line, folder, findings) if "file" in line else _of_table(line, tables, findings)
-    return found and (found, lambda _: line.at(ways[0]).place)
+    in_file = numbers_of_file(line, folder, findings) if "file" in line else _of_table(line, tables, findings)
+    return in_file and (in_file, lambda _: line.at(ways[0]).place)
 
 
 def _in_order(line: ElementLine, own: list[Number], findings: Findings) -> list[Number] | None:

@@ -132,15 +132,15 @@ class Functions:
         if function is None:
             return None
         self._refuse_rough(record, function, 0, "a rate cannot jump", key)
-        found = integral_of(function, start)
-        if found is None:
+        integral = integral_of(function, start)
+        if integral is None:
             message = (
                 "flexmb has no integral of a product or periodic function; give the coordinate itself, in "
                 "place of its rate"
             )
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-016")
             return None
-        return sum_of([found, piecewise(polynomial([given]))]) if given else found
+        return sum_of([integral, piecewise(polynomial([given]))]) if given else integral
 
     def curve(self, record: Record, key: str) -> MotionFunction | None:
         """The characteristic of a spring or damper over its stretch or rate, which must have an integral."""
@@ -213,7 +213,7 @@ def listed(names: Iterable[str]) -> str:
 
 
 def _points(functions: Functions, given: GivenFunction, make: Callable[..., Any]) -> Any:
-    times, found = given.values[0::2], given.values[1::2]
+    times, values = given.values[0::2], given.values[1::2]
     for k, (before, after) in enumerate(pairwise(times), 1):
         if not before < after:
             message = (
@@ -225,7 +225,7 @@ def _points(functions: Functions, given: GivenFunction, make: Callable[..., Any]
             message = f"{after:g} follows {before:g} by less than {SHORTEST:g}, too short to compute with"
             functions.findings.error(given.line.subject, message, given.place(2 * k), id="ELEMENTS-026")
             return None
-    return make(times, found)
+    return make(times, values)
 
 
 def _table(times: Sequence[float], values: Sequence[float]) -> MotionFunction:

@@ -22,7 +22,7 @@ def added_masses(
 
     `rigid`: of the bodies; file names are relative to `folder`.
     """
-    found: dict[int, list[RigidMass]] = {}
+    of_body: dict[int, list[RigidMass]] = {}
     for line in mass_lines(lines):
         body = line.at("body")
         if not 1 <= body.value <= len(rigid):
@@ -32,8 +32,8 @@ def added_masses(
             message = f"body {body.value} is flexible: its nodes carry its mass; add it to their masses"
             findings.error(line.subject, message, line.place_of("body"), id="ELEMENTS-184")
         elif (solid := _solid(line, folder, findings)) is not None:
-            found.setdefault(body.value - 1, []).append(solid)
-    return found
+            of_body.setdefault(body.value - 1, []).append(solid)
+    return of_body
 
 
 def _solid(line: ElementLine, folder: Path, findings: Findings) -> RigidMass | None:

@@ -25,17 +25,17 @@ _NOTHING = ""  # no line: all results hold joint coordinates
 
 def _of_joints(letters: dict[str, str], ends: str) -> dict[str, str]:
     """Lines of cards of joints by the words of the cards, given by the first letters and the law."""
-    found = {}
+    lines = {}
     for coordinate, letter in (("angle", "T"), ("stroke", "A")):
-        found[letter + letters["MOTOR"]] = f"MOTOR at.{coordinate} effort"
-        found[letter + letters["SPRING"]] = f"SPRING at.{coordinate} {_LAWS['SPRING']}"
-        found[letter + letters["STOP"]] = f"STOP at.{coordinate} {_LAWS['STOP']}"
-    found["L" + letters["SPRING"]] = f"SPRING {ends} {_LAWS['SPRING']}"
+        lines[letter + letters["MOTOR"]] = f"MOTOR at.{coordinate} effort"
+        lines[letter + letters["SPRING"]] = f"SPRING at.{coordinate} {_LAWS['SPRING']}"
+        lines[letter + letters["STOP"]] = f"STOP at.{coordinate} {_LAWS['STOP']}"
+    lines["L" + letters["SPRING"]] = f"SPRING {ends} {_LAWS['SPRING']}"
     for word in ("CABLE", "BUSHING"):
-        found[letters[word]] = f"{word} {ends} {_LAWS[word]}"
-    found[letters["FRICTION"]] = f"FRICTION {_LAWS['FRICTION']}"
-    found["RATE"] = "START joint.coordinate rate"
-    return found
+        lines[letters[word]] = f"{word} {ends} {_LAWS[word]}"
+    lines[letters["FRICTION"]] = f"FRICTION {_LAWS['FRICTION']}"
+    lines["RATE"] = "START joint.coordinate rate"
+    return lines
 
 
 _WHOLE = {word: word for word in ("MOTOR", "SPRING", "STOP", "CABLE", "BUSHING", "FRICTION")}
@@ -140,15 +140,15 @@ def new_lines(
 
     Terms of one coupling are one card.
     """
-    found = dict(enumerate(cards))
+    fields_of_card = dict(enumerate(cards))
     if word == "COUP":
         first: dict[str, int] = {}
-        for k, (number, *term) in found.copy().items():
+        for k, (number, *term) in fields_of_card.copy().items():
             if first.setdefault(number, k) != k:
-                found[first[number]] = [*found[first[number]], *term]
-                del found[k]
-        found = {k: fields[1:] for k, fields in found.items()}
-    for k, fields in found.items():
+                fields_of_card[first[number]] = [*fields_of_card[first[number]], *term]
+                del fields_of_card[k]
+        fields_of_card = {k: fields[1:] for k, fields in fields_of_card.items()}
+    for k, fields in fields_of_card.items():
         counts[word] = counts.get(word, 0) + 1
         yield k, _line_of(LINES[dialect][word], word, fields, counts[word])
 
@@ -263,11 +263,11 @@ def _coordinate(rest: list[str]) -> str:
 
 def _terms(named: Callable[[list[str]], str]) -> Callable[[list[str]], list[str]]:
     def terms(rest: list[str]) -> list[str]:
-        found = []
+        terms_of_line = []
         while len(rest) > 2:
             coordinate = named(rest)
-            found.append(f"{coordinate}={rest.pop(0)}")
-        return found
+            terms_of_line.append(f"{coordinate}={rest.pop(0)}")
+        return terms_of_line
 
     return terms
 

@@ -24,17 +24,17 @@ def element_entries() -> Generator[Entry, Record, None]:
 
 def block_lines(records: Sequence[Record]) -> list[Line]:
     """Return the block that the answers make."""
-    found = [record for record in records if record.section == SECTION and record["line"]]
-    return [[(BLOCK, "")], *([("  ", ""), *named(record)] for record in found)] if found else []
+    lines = [record for record in records if record.section == SECTION and record["line"]]
+    return [[(BLOCK, "")], *([("  ", ""), *named(record)] for record in lines)] if lines else []
 
 
 def explained(word: str) -> str:
     """Return how lines of a word are written, with its keys; without a word how those of all are."""
-    found = BY_WORD.get(word.upper())
-    if found is None:
+    form = BY_WORD.get(word.upper())
+    if form is None:
         lines = [f"{usage(each)}: {each.meaning}" for each in BY_WORD.values()]
         return "\n".join([*lines, "? SPRING explains the keys of SPRING"])
-    return "\n".join([f"{usage(found)}: {found.meaning}", *map(_key, found.keys)])
+    return "\n".join([f"{usage(form)}: {form.meaning}", *map(_key, form.keys)])
 
 
 def _key(key: Key) -> str:

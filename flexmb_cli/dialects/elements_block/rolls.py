@@ -14,12 +14,12 @@ _KEYS = {key for keys in ROLL_KEYS.values() for key in keys}
 def roll_of(line: ElementLine, measures: Measures) -> Roll | None:
     """Return what rolls; None where there is a fault."""
     errors = _Errors(line, measures)
-    wanted = ROLL_KEYS[line.kind]
+    required = ROLL_KEYS[line.kind]
     given = {key for key in _KEYS if key in line or f"{key}.x" in line}
-    for key in (key for key in wanted if key not in given):
-        errors.add(f"{line.kind} needs {key}=; it has {' and '.join(wanted)}", line.place, "ELEMENTS-231")
-    for key in sorted(given.difference(wanted)):
-        message = f"{line.kind} has no {key}; it has {' and '.join(wanted)}"
+    for key in (key for key in required if key not in given):
+        errors.add(f"{line.kind} needs {key}=; it has {' and '.join(required)}", line.place, "ELEMENTS-231")
+    for key in sorted(given.difference(required)):
+        message = f"{line.kind} has no {key}; it has {' and '.join(required)}"
         errors.add(message, line.place, "ELEMENTS-232")
     ends = measures.ends(line)
     if ends is None or errors.count:
@@ -31,12 +31,12 @@ def roll_of(line: ElementLine, measures: Measures) -> Roll | None:
     elif not (measures.is_rigid(line, j, "to") and (i < 0 or measures.is_rigid(line, i, "from"))):
         message = "bodies that roll, or are rolled on, are rigid; hinge a rigid wheel to the flexible body"
         errors.add(message, line.place, "ELEMENTS-234")
-    axes = {key: _unit(line, key, errors) for key in ("normal", "axis_from", "axis_to") if key in wanted}
-    radius, other = (float(line[key]) if key in wanted else 0.0 for key in ("radius_to", "radius_from"))
+    axes = {key: _unit(line, key, errors) for key in ("normal", "axis_from", "axis_to") if key in required}
+    radius, other = (float(line[key]) if key in required else 0.0 for key in ("radius_to", "radius_from"))
     if not radius > 0.0:
         message = f"radius_to must be larger than 0; read {radius:g}"
         errors.add(message, line.place_of("radius_to"), "ELEMENTS-235")
-    elif "radius_from" in wanted and not (other > 0.0 or -other > radius):
+    elif "radius_from" in required and not (other > 0.0 or -other > radius):
         message = (
             f"radius_from must be larger than 0, or, of a ring in which the wheel rolls, less than "
             f"-{radius:g}; read {other:g}"

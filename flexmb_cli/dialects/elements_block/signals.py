@@ -77,8 +77,8 @@ class _Builder:
 
     def signals(self) -> list[Signal]:
         """Return the signals, not all where there are faults."""
-        found = [self._signal(line) for line in self.lines]
-        return [*(signal for signal in found if signal is not None), *self.more]
+        built = [self._signal(line) for line in self.lines]
+        return [*(signal for signal in built if signal is not None), *self.more]
 
     def _signal(self, line: ElementLine) -> Signal | None:
         before = _errors(self.measures)
@@ -119,13 +119,13 @@ class _Builder:
 
     def _inputs(self, line: ElementLine, *keys: str) -> tuple[int, ...]:
         """Return the numbers of the signals of some keys, each of which names one."""
-        found = []
+        inputs = []
         for key in keys:
             numbers = self._named(line, key)
             if len(numbers) > 1:
                 self._error(line, numbers[1], f"{line.kind} takes one signal, {key}=", id="ELEMENTS-087")
-            found.append(self._input(line, numbers[0]))
-        return tuple(found)
+            inputs.append(self._input(line, numbers[0]))
+        return tuple(inputs)
 
     def _input(self, line: ElementLine, number: Number) -> int:
         """Return the number of a signal, or of what is measured, at whose name a fault would stand."""

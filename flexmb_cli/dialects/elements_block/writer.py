@@ -78,8 +78,8 @@ class BlockWriter(ABC):
 
     def element_lines(self) -> list[str]:
         """Return the lines of force elements and couplings."""
-        found = [self._force(item) for item in self.model.elements]
-        return [*found, *map(self._coupling, self.model.couplings)]
+        forces = [self._force(item) for item in self.model.elements]
+        return [*forces, *map(self._coupling, self.model.couplings)]
 
     def function_lines(self) -> list[str]:
         """Return the lines of all functions that have been numbered."""
@@ -97,12 +97,12 @@ class BlockWriter(ABC):
         names: set[str] = self.__dict__.setdefault("_names", set())
         base = _NOT_OF_NAMES.sub("-", item.name).strip("-") or "element"
         base = f"e{base}" if base.isdigit() else base
-        found, count = base, 1
-        while found.lower() in names or found.lower() in self.reserved:
+        free_name, count = base, 1
+        while free_name.lower() in names or free_name.lower() in self.reserved:
             count += 1
-            found = f"{base}-{count}"
-        names.add(found.lower())
-        return found
+            free_name = f"{base}-{count}"
+        names.add(free_name.lower())
+        return free_name
 
     def _cam(self, function: Any, item: Any, follower: str, cam: str) -> str:
         return f"from={cam} to={follower} function={self.function_number(function, item)}"

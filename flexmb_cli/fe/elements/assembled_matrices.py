@@ -56,8 +56,8 @@ def element_matrix(given: FlexibleInput, table: BodyTable, letter: str) -> Matri
 def _stiffness(given: Any, table: Any) -> Any:
     material = given.material
     formulation = formulation_of(table.kind, table.rows.shape[1], material.program)
-    made = solid_elements(given.positions, table.rows, formulation)
-    stiffness, _ = element_stiffness(made, elasticity(material.young, material.poisson))
+    elements = solid_elements(given.positions, table.rows, formulation)
+    stiffness, _ = element_stiffness(elements, elasticity(material.young, material.poisson))
     return assembled(stiffness, table.rows, len(given.positions), 3)
 
 
@@ -75,8 +75,8 @@ def formulation_of(name: str, nodes: int, program: str = "") -> Formulation:
         whose = " of Abaqus" if name in types else ""
         message = f"matrices cannot be assembled from elements of type {name}{whose}; known are {known}"
         raise FEFileFault(message, id="FE-083")
-    wanted = types[name] if name else _OF_NODES[nodes]
-    return next(one for one in FORMULATIONS[nodes] if one.name == wanted)
+    name_of_formulation = types[name] if name else _OF_NODES[nodes]
+    return next(one for one in FORMULATIONS[nodes] if one.name == name_of_formulation)
 
 
 def _mass(given: Any, table: BodyTable) -> Any:

@@ -38,19 +38,19 @@ def element_table(
     `positions` (n, 3), m, are those of the body's nodes.
     """
     try:
-        found = read_elements(file.path, file.form)
-        rows = _rows(given, found)
+        read = read_elements(file.path, file.form)
+        rows = _rows(given, read)
     except FEFileFault as fault:
         findings.error(given.name, str(fault), file.place, id=fault.id)
         return None
-    if found.left_out:
+    if read.left_out:
         message = (
-            f"{file.path.name} holds other elements, too ({found.left_out}); they have no part in the body, "
+            f"{file.path.name} holds other elements, too ({read.left_out}); they have no part in the body, "
             "neither mass nor stiffness"
         )
         if all(fault.message != message for fault in findings.faults):
             findings.warn(given.name, message, file.place, id="FE-182")
-    number = _folded(found.numbers, rows, positions)
+    number = _folded(read.numbers, rows, positions)
     if number is not None:
         message = (
             f"{file.path.name}: element {number} is turned inside out or folded; check the order and places "
@@ -58,15 +58,15 @@ def element_table(
         )
         findings.error(given.name, message, file.place, id="FE-010")
         return None
-    return BodyTable(found.numbers, rows, found.kind)
+    return BodyTable(read.numbers, rows, read.kind)
 
 
 def _folded(numbers: np.ndarray, rows: np.ndarray, positions: np.ndarray) -> int | None:
     """Return the number of the first element that is turned inside out or folded."""
     sound = np.flatnonzero((_determinants(rows, positions) > 0).all(axis=1))
     folded = (_relative_determinants(rows[sound], positions) < FOLDED).any(axis=1)
-    found = np.setdiff1d(np.arange(len(rows)), sound[~folded])
-    return int(numbers[found[0]]) if found.size else None
+    folded_rows = np.setdiff1d(np.arange(len(rows)), sound[~folded])
+    return int(numbers[folded_rows[0]]) if folded_rows.size else None
 
 
 def _determinants(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
@@ -85,18 +85,18 @@ def warn_of_distortion(
     given: FlexibleInput, table: BodyTable, positions: np.ndarray, findings: Findings
 ) -> None:
     """Warn of the element whose Jacobian determinant is the most negative at a node."""
-    found = _relative_determinants(table.rows, positions)
-    element, node = np.unravel_index(int(found.argmin()), found.shape)
-    if found[element, node] >= DISTORTED:
+    determinants = _relative_determinants(table.rows, positions)
+    element, node = np.unravel_index(int(determinants.argmin()), determinants.shape)
+    if determinants[element, node] >= DISTORTED:
         return
-    count = int((found < DISTORTED).any(axis=1).sum())
+    count = int((determinants < DISTORTED).any(axis=1).sum())
     more = f"; {count} elements have such nodes" if count > 1 else ""
     material = given.material
     assert material is not None, "stresses need a material"
     at = given.numbers[table.rows[element, node]]
     message = (
         f"{material.file.path.name}: element {table.numbers[element]} is distorted: its Jacobian determinant "
-        f"at node {at} is {found[element, node]:.2g} of its mean{more}; "
+        f"at node {at} is {determinants[element, node]:.2g} of its mean{more}; "
         "stresses there are doubtful"
     )
     findings.warn(given.name, message, material.place, id="FE-086")
@@ -110,8 +110,8 @@ def element_mesh(given: FlexibleInput) -> BodyMesh | None:
     if given.mesh is None:
         return None
     try:
-        found = read_elements(given.mesh.path, given.mesh.form)
-        return BodyMesh(found.numbers, _rows(given, found))
+        read = read_elements(given.mesh.path, given.mesh.form)
+        return BodyMesh(read.numbers, _rows(given, read))
     except FEFileFault:
         return None
 

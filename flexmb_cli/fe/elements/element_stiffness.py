@@ -37,15 +37,15 @@ def matching_elements(
     `positions` (n, 3), m; `material`: Young's modulus, Pa, and Poisson's ratio.
     """
     D, size = elasticity(*material), abs(K).max()
-    found = []
+    candidates = []
     for formulation in FORMULATIONS[rows.shape[1]]:
-        made = solid_elements(positions, rows, formulation)
-        stiffness, internal = element_stiffness(made, D)
+        elements = solid_elements(positions, rows, formulation)
+        stiffness, internal = element_stiffness(elements, D)
         difference = assembled(stiffness, rows, len(positions), 3) - K
-        found.append(BodyElements(made, D, internal, float(abs(difference).max() / size)))
-        if found[-1].deviation < SAME_STIFFNESS:
+        candidates.append(BodyElements(elements, D, internal, float(abs(difference).max() / size)))
+        if candidates[-1].deviation < SAME_STIFFNESS:
             break
-    return min(found, key=lambda body: body.deviation)
+    return min(candidates, key=lambda body: body.deviation)
 
 
 def element_stiffness(made: SolidElements, D: np.ndarray) -> tuple[Any, Any]:
@@ -93,8 +93,8 @@ def uniform_strain_deviation(
     nodal = fields[made.rows].reshape(len(made.rows), -1, 9)
     forces = np.zeros(fields.shape)
     np.add.at(forces, made.rows, (stiffness @ nodal).reshape(*made.rows.shape, 3, 9))
-    wanted = K @ fields.reshape(-1, 9)
-    return float(np.abs(wanted - forces.reshape(-1, 9)).max() / np.abs(wanted).max())
+    exact = K @ fields.reshape(-1, 9)
+    return float(np.abs(exact - forces.reshape(-1, 9)).max() / np.abs(exact).max())
 
 
 def initial_stress_matrix(body: BodyElements, displacements: np.ndarray) -> np.ndarray:
@@ -103,15 +103,15 @@ def initial_stress_matrix(body: BodyElements, displacements: np.ndarray) -> np.n
     `displacements` (3 n,), m, are those of the load that stresses the body; K_G itself is (n, n) times
     the unit matrix of the three directions.  The incompatible modes carry stress, but do not stiffen.
     """
-    made, k = body.elements, body.elements.nodes
-    elements = np.empty((len(made.rows), k, k))
-    for part in parts(len(made.rows)):
-        slopes = made.gradients[part, :, :k]
+    mesh, k = body.elements, body.elements.nodes
+    elements = np.empty((len(mesh.rows), k, k))
+    for part in parts(len(mesh.rows)):
+        slopes = mesh.gradients[part, :, :k]
         stress = _tensor(stresses(body, displacements[:, None], part)[..., 0])
         elements[part] = np.einsum(
-            "mgai,mgij,mgbj,mg->mab", slopes, stress, slopes, made.volumes[part], optimize=True
+            "mgai,mgij,mgbj,mg->mab", slopes, stress, slopes, mesh.volumes[part], optimize=True
         )
-    return assembled(elements, made.rows, len(displacements) // 3, 1)
+    return assembled(elements, mesh.rows, len(displacements) // 3, 1)
 
 
 def stresses(body: BodyElements, displacements: np.ndarray, part: slice) -> np.ndarray:
@@ -119,11 +119,11 @@ def stresses(body: BodyElements, displacements: np.ndarray, part: slice) -> np.n
 
     Components xx yy zz xy yz zx in the axes of the nodes.
     """
-    made, count = body.elements, displacements.shape[1]
-    rows = made.rows[part]
+    mesh, count = body.elements, displacements.shape[1]
+    rows = mesh.rows[part]
     nodal = displacements.reshape(-1, 3, count)[rows].reshape(len(rows), -1, count)
     full = np.concatenate([nodal, body.internal[part] @ nodal], axis=1)
-    return np.einsum("ab,mgbi,mic->mgac", body.D, made.strains(part), full, optimize=True)
+    return np.einsum("ab,mgbi,mic->mgac", body.D, mesh.strains(part), full, optimize=True)
 
 
 def _tensor(stress: np.ndarray) -> np.ndarray:

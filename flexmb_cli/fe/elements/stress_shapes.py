@@ -94,11 +94,11 @@ def _at_best_points(
     reduced = FORMULATIONS[table.rows.shape[1]]
     names = [formulation.name for formulation in reduced]
     formulation = reduced[names.index("reduced integration") if "reduced integration" in names else 0]
-    made = solid_elements(positions, table.rows, formulation)
+    elements = solid_elements(positions, table.rows, formulation)
     D = elasticity(material.young, material.poisson)
-    stiffness, internal = element_stiffness(made, D)
-    body = BodyElements(made, D, internal, nearest.deviation)
-    nodal_forces = (made, stiffness), (nearest.elements, element_stiffness(nearest.elements, D)[0])
+    stiffness, internal = element_stiffness(elements, D)
+    body = BodyElements(elements, D, internal, nearest.deviation)
+    nodal_forces = (elements, stiffness), (nearest.elements, element_stiffness(nearest.elements, D)[0])
     if min(uniform_strain_deviation(*one, positions, K) for one in nodal_forces) > FOREIGN:
         remedy = "leave MATL out"
         findings.error(given.name, foreign_stiffness(nearest, material, remedy), material.place, id="FE-072")
@@ -110,13 +110,13 @@ def _at_best_points(
     if material.any_stiffness or table.kind == "C3D8R":
         message = (
             f"{what}; stresses are taken at the points of reduced integration, and element energies do not "
-            f"add up to the body's{_OF_CENTRE * (made.nodes == 8)}"
+            f"add up to the body's{_OF_CENTRE * (elements.nodes == 8)}"
         )
         findings.warn(given.name, message, material.place, id="FE-073")
     else:
         message = (
             f"{what}, so their stresses are not known; leave MATL out, or write REDU on a card ELMT for "
-            f"stresses at the points of reduced integration{_OF_CENTRE * (made.nodes == 8)}"
+            f"stresses at the points of reduced integration{_OF_CENTRE * (elements.nodes == 8)}"
         )
         findings.error(given.name, message, material.place, id="FE-162")
     return body
@@ -135,13 +135,13 @@ def _check_density(given: Any, mass: float, body: BodyElements, findings: Findin
 
 def nodal_stresses(body: BodyElements, Phi: np.ndarray) -> np.ndarray:
     """Stresses (n, 6, N), Pa, at the nodes for displacements `Phi` (3 n, N): means over the elements."""
-    made = body.elements
-    fitted = extrapolation(made.nodes, made.formulation)
+    elements = body.elements
+    fitted = extrapolation(elements.nodes, elements.formulation)
     n = len(Phi) // 3
-    sums, counts = np.zeros((n, 6, Phi.shape[1])), np.bincount(made.rows.ravel(), minlength=n)
-    for part in parts(len(made.rows)):
+    sums, counts = np.zeros((n, 6, Phi.shape[1])), np.bincount(elements.rows.ravel(), minlength=n)
+    for part in parts(len(elements.rows)):
         at_nodes = np.einsum("kg,mgac->mkac", fitted, stresses(body, Phi, part))
-        np.add.at(sums, made.rows[part], at_nodes)
+        np.add.at(sums, elements.rows[part], at_nodes)
     return sums / np.maximum(counts, 1)[:, None, None]
 
 
@@ -168,18 +168,18 @@ def elements_of(body: FlexibleBody, chosen: np.ndarray) -> BodyElements:
     assert stress is not None, "elements are those of a body of known material"
     formulations = FORMULATIONS[stress.rows.shape[1]]
     formulation = next(one for one in formulations if one.name == stress.formulation)
-    made = solid_elements(body.r0, stress.rows[chosen], formulation)
+    elements = solid_elements(body.r0, stress.rows[chosen], formulation)
     D = elasticity(stress.young, stress.poisson)
-    return BodyElements(made, D, element_stiffness(made, D)[1], stress.deviation)
+    return BodyElements(elements, D, element_stiffness(elements, D)[1], stress.deviation)
 
 
 def point_stresses(body: FlexibleBody, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Stresses (e, g, 6, N), Pa, per mode at the points of chosen elements, and their volumes (e, g), m³."""
-    found = elements_of(body, chosen)
-    points = np.empty((*found.elements.volumes.shape, 6, body.modes))
+    recovered = elements_of(body, chosen)
+    points = np.empty((*recovered.elements.volumes.shape, 6, body.modes))
     for part in parts(len(chosen)):
-        points[part] = stresses(found, body.Phi, part)
-    return points, found.elements.volumes
+        points[part] = stresses(recovered, body.Phi, part)
+    return points, recovered.elements.volumes
 
 
 def stress_outputs(model: VsdfModel, bodies: Sequence[FloatingBody]) -> tuple[StressOutput, ...]:

@@ -102,7 +102,7 @@ def _without_instance(name: str, body: list[str], numbers: Sequence[int]) -> lis
     """Return lines with the numbers of nodes alone, all of them of one instance."""
     instance = _LABEL.findall(body[0])[0][1]
     for number, line in zip(numbers, body, strict=True):
-        if [found[1] for found in _LABEL.findall(line)] != 2 * [instance]:
+        if [label[1] for label in _LABEL.findall(line)] != 2 * [instance]:
             message = f"no two nodes of instance {instance}; write the matrices with FORMAT=MATRIX INPUT"
             raise line_fault(name, number, message, id="FE-183")
     return [_LABEL.sub(r"\1\3", line) for line in body]

@@ -49,9 +49,9 @@ def cdb_nodes(path: Path) -> Iterator[Node]:
         elif command == "N":
             node, *values = words[2:] if words[0].startswith("R") else words
             turned = words[1] == "ANG"
-            found = node_of(line, [node, *["0"] * 3 * turned, *(value or "0" for value in values)])
-            if not turned and found[0] != -1:
-                yield *found, line
+            node_fields = node_of(line, [node, *["0"] * 3 * turned, *(value or "0" for value in values)])
+            if not turned and node_fields[0] != -1:
+                yield *node_fields, line
         elif command == "NBLOCK":
             yield from _block(line, below)
 

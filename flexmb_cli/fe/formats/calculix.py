@@ -24,15 +24,15 @@ def read_calculix(path: Path) -> MatrixFile:
     where = whole(path.name, entries[:, :2], numbers, "row and column")
     size = int(where.max())
     check_range(path.name, where, numbers, size)
-    kept = entries[:, 2] != 0.0
-    rows, columns = where[kept].T - 1
+    nonzero = entries[:, 2] != 0.0
+    rows, columns = where[nonzero].T - 1
     one_triangle = not ((rows < columns).any() and (rows > columns).any())
-    return MatrixFile(size, rows, columns, entries[kept, 2], one_triangle)
+    return MatrixFile(size, rows, columns, entries[nonzero, 2], one_triangle)
 
 
 def read_dofs(path: Path) -> np.ndarray:
     """Node and direction (1 2 3) of every equation, (size, 2), from a .dof file."""
-    found = []
+    pairs = []
     for number, line in enumerate(lines_of(path), start=1):
         if not line.strip():
             continue
@@ -43,10 +43,10 @@ def read_dofs(path: Path) -> np.ndarray:
         if match[2] not in "123":
             message = f"direction {match[2]} of node {match[1]}: only 1, 2, 3 can be used, no rotations"
             raise line_fault(path.name, number, message, id="FE-096")
-        found.append((int(match[1]), int(match[2])))
-    if not found:
+        pairs.append((int(match[1]), int(match[2])))
+    if not pairs:
         raise FEFileFault(f"{path.name} is empty", id="FE-018")
-    equations = np.array(found, dtype=np.int64)
+    equations = np.array(pairs, dtype=np.int64)
     causes = ", as of shells and beams that CalculiX expanded into solids; mesh with solid elements"
     check_labels(path.name, equations, causes)
     return equations

@@ -73,19 +73,19 @@ def read_elements(path: Path, form: str) -> ElementTable:
         message = f"{path.name}: a node table of format {form} has no elements; INP, CDB or BDF has"
         raise FEFileFault(message, id="FE-019")
     every = list(readers[form](path))
-    found = [element for element in every if element.nodes]
+    elements = [element for element in every if element.nodes]
     counts = Counter(element.kind for element in every if not element.nodes)
     others = ", ".join(f"{count} {kind}" for kind, count in sorted(counts.items()))
-    if not found:
+    if not elements:
         but = f" but {others}; {_KNOWN} are used" if others else ""
         raise FEFileFault(f"{path.name} holds no elements in format {form}{but}", id="FE-020")
-    _check_nodes(found)
-    _check_kinds(path.name, found)
-    check_twice(path.name, "element", ((element.number, element.line) for element in found))
+    _check_nodes(elements)
+    _check_kinds(path.name, elements)
+    check_twice(path.name, "element", ((element.number, element.line) for element in elements))
     return ElementTable(
-        np.array([element.number for element in found], dtype=np.int64),
-        np.array([element.nodes for element in found], dtype=np.int64),
-        found[0].kind,
+        np.array([element.number for element in elements], dtype=np.int64),
+        np.array([element.nodes for element in elements], dtype=np.int64),
+        elements[0].kind,
         others,
     )
 

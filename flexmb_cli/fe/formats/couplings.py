@@ -36,15 +36,15 @@ def read_coupling(path: Path, form: str, node: int, rigid: bool) -> Coupling:
     if form not in readers:
         message = f"{path.name}: files of format {form} have no couplings; name the nodes on the card"
         raise FEFileFault(message, id="FE-257")
-    found = [one for one in readers[form](path, node) if (one.node, one.rigid) == (node, rigid)]
-    if not found:
+    couplings = [one for one in readers[form](path, node) if (one.node, one.rigid) == (node, rigid)]
+    if not couplings:
         names = "*RIGID BODY, *KINEMATIC COUPLING; RBE2" if rigid else "*DISTRIBUTING COUPLING; RBE3"
         raise FEFileFault(f"{path.name} couples no nodes to node {node} ({names})", id="FE-258")
-    first = found[0]
-    if any(one.turns != first.turns for one in found):
+    first = couplings[0]
+    if any(one.turns != first.turns for one in couplings):
         raise first.line.fault(f"node {node} is coupled with rotations and without; take one", id="FE-259")
-    members = tuple(member for one in found for member in one.members)
-    return first._replace(members=members, weights=tuple(w for one in found for w in one.weights))
+    members = tuple(member for one in couplings for member in one.members)
+    return first._replace(members=members, weights=tuple(w for one in couplings for w in one.weights))
 
 
 def _bdf_couplings(path: Path, _node: int) -> Iterator[Coupling]:

@@ -36,10 +36,10 @@ def bytes_of(path: Path, largest: int = LARGEST_FILE) -> bytes:
     try:
         # A pipe without a writer would be waited for.
         with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as stream:
-            found = os.fstat(stream.fileno())
-            _check_kind(path.name, found, largest)
+            status = os.fstat(stream.fileno())
+            _check_kind(path.name, status, largest)
             # Some files of /proc have no length and no end, or nothing to give just now.
-            return stream.read(found.st_size) or b""
+            return stream.read(status.st_size) or b""
     except FileNotFoundError:
         raise FEFileFault(f"{path.name}: no such file in {path.parent or '.'}", id="FE-023") from None
     except (OSError, ValueError) as fault:
@@ -90,7 +90,7 @@ def printed_digits(path: Path) -> int:
 def digits_in(text: bytes) -> int:
     """Significant digits of the longest real number."""
     numbers = _FRACTION.finditer(text)
-    return max((len((found[1] + found[2]).lstrip(b"0")) for found in numbers), default=0)
+    return max((len((number[1] + number[2]).lstrip(b"0")) for number in numbers), default=0)
 
 
 def is_binary(raw: bytes) -> bool:
@@ -122,13 +122,13 @@ def table(
     if not lines:
         return np.empty((0, columns))
     delimiter = "," if comma else None
-    found = _loaded(lines, delimiter)
-    if found is None:
+    values = _loaded(lines, delimiter)
+    if values is None:
         lines = "\n".join(lines).replace("D", "E").replace("d", "e").split("\n")
-        found = _loaded(lines, delimiter)
-    if found is None or found.shape != (len(lines), columns) or not np.isfinite(found).all():
+        values = _loaded(lines, delimiter)
+    if values is None or values.shape != (len(lines), columns) or not np.isfinite(values).all():
         raise _fault_of_lines(name, lines, numbers, columns, meaning, delimiter)
-    return found
+    return values
 
 
 def _loaded(lines: list[str], delimiter: str | None) -> np.ndarray | None:
@@ -198,8 +198,8 @@ def filled(lines: list[str], comment: str = "", before: int = 0) -> tuple[list[s
     numbers: Sequence[int] = range(before + 1, before + len(lines) + 1)
     if all(map(str.strip, lines)) and not (comment and any(line.startswith(comment) for line in lines)):
         return lines, numbers
-    kept = [line.strip() != "" and not (comment and line.startswith(comment)) for line in lines]
-    return list(compress(lines, kept)), list(compress(numbers, kept))
+    is_filled = [line.strip() != "" and not (comment and line.startswith(comment)) for line in lines]
+    return list(compress(lines, is_filled)), list(compress(numbers, is_filled))
 
 
 DEEPEST_INCLUSION, MOST_FILES = 10, 1000

@@ -40,10 +40,10 @@ def read_harwell_boeing(path: Path) -> MatrixFile:
     formats = [_format(name, lines[3], first, 16 if first < 32 else 20) for first in (0, 16, 32)]
     start = 5 if right_sides else 4
     sections = []
-    for lengths, form, wanted in zip(
+    for lengths, form, section in zip(
         (pointers, indices, values), formats, (size + 1, count, count), strict=True
     ):
-        sections.append(_numbers(name, lines, numbers[start:], lengths, form, wanted))
+        sections.append(_numbers(name, lines, numbers[start:], lengths, form, section))
         start += lengths
     pointers_, rows_, values_ = sections
     return _matrix(name, kind, size, pointers_, rows_, values_)
@@ -57,7 +57,7 @@ def read_mapping(path: Path) -> np.ndarray:
     lines = lines_of(path)
     if lines and lines[0].lower().startswith(BANNER):
         return read_node_vector(path)
-    found = {}
+    labels = {}
     for number, line in enumerate(lines, start=1):
         match = _EQUATION.fullmatch(line)
         if match is None:
@@ -70,14 +70,14 @@ def read_mapping(path: Path) -> np.ndarray:
                 "substructures is not published: condense without modes, or export the full model"
             )
             raise line_fault(path.name, number, message, id="FE-253")
-        found[int(match[1])] = int(match[2]), _LABELS[label]
-    if not found:
+        labels[int(match[1])] = int(match[2]), _LABELS[label]
+    if not labels:
         message = f"{path.name} holds no line 'equation node UX|...|ROTZ'; is it the mapping file?"
         raise FEFileFault(message, id="FE-033")
-    if sorted(found) != list(range(1, len(found) + 1)):
-        gap = next(i for i in range(1, len(found) + 1) if i not in found)
-        raise FEFileFault(f"{path.name} maps {len(found)} equations, but not equation {gap}", id="FE-034")
-    equations = np.array([found[i] for i in range(1, len(found) + 1)], dtype=np.int64)
+    if sorted(labels) != list(range(1, len(labels) + 1)):
+        gap = next(i for i in range(1, len(labels) + 1) if i not in labels)
+        raise FEFileFault(f"{path.name} maps {len(labels)} equations, but not equation {gap}", id="FE-034")
+    equations = np.array([labels[i] for i in range(1, len(labels) + 1)], dtype=np.int64)
     check_labels(path.name, equations, "; each has one equation")
     return equations
 
@@ -86,13 +86,13 @@ def _integers(name: str, line: str, number: int, first: int, count: int) -> list
     """`count` integers of 14 columns; blank ones are 0."""
     cells = [line[first + 14 * i : first + 14 * (i + 1)].strip() or "0" for i in range(count)]
     try:
-        found = [integer(cell) for cell in cells]
+        numbers_of_line = [integer(cell) for cell in cells]
     except ValueError:
         message = "integers of 14 columns wanted; is it a Harwell-Boeing file?"
         raise line_fault(name, number, message, id="FE-108") from None
-    if min(found) < 0:
+    if min(numbers_of_line) < 0:
         raise line_fault(name, number, "counts of lines and entries are not negative", id="FE-109")
-    return found
+    return numbers_of_line
 
 
 def _check_kind(name: str, kind: str, size: int, columns: int) -> None:

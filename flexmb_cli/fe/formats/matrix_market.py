@@ -63,8 +63,8 @@ def _kind(name: str, lines: list[str]) -> tuple[Any, Any]:
 
 
 def _sizes(name: str, line: str, number: int, count: int) -> list[int]:
-    found = whole(name, table(name, [line], [number], count, "the size"), [number], "sizes")
-    return [int(size) for size in found[0]]
+    sizes = whole(name, table(name, [line], [number], count, "the size"), [number], "sizes")
+    return [int(size) for size in sizes[0]]
 
 
 def _size(name: str, line: str, number: int, count: int) -> list[int]:

@@ -35,8 +35,8 @@ def read_dmig(path: Path, letter: str, wanted: str = "") -> MatrixFile:
     if not cards:
         raise FEFileFault(f"{path.name} holds no DMIG card", id="FE-042")
     matrices = [
-        NamedMatrix(name, _is_usable(found[0]), partial(_matrix, path, name, found, scalars))
-        for name, found in cards.items()
+        NamedMatrix(name, _is_usable(columns[0]), partial(_matrix, path, name, columns, scalars))
+        for name, columns in cards.items()
     ]
     return chosen(path.name, matrices, letter, wanted)
 
@@ -68,7 +68,7 @@ def _matrix(path: Path, name: str, cards: list[BulkCard], scalars: list[range]) 
     where = np.array(entries, dtype=np.int64).reshape(-1, 4)
     for points in scalars:  # the component of a scalar point is 0, or 1 as well
         where[:, 1::2][(where[:, ::2] >= points.start) & (where[:, ::2] < points.stop)] = MODAL
-    found = labelled(where, np.array(values), True if symmetric else None)
+    matrix = labelled(where, np.array(values), True if symmetric else None)
     entry, counts = np.unique(where, axis=0, return_counts=True)
     if (counts > 1).any():
         row, row_direction, column, direction = entry[counts.argmax()]
@@ -77,7 +77,7 @@ def _matrix(path: Path, name: str, cards: list[BulkCard], scalars: list[range]) 
             f"{column}, {direction}; give each once",
             id="FE-195",
         )
-    both = mirrored(found.rows, found.columns, found.size)
+    both = mirrored(matrix.rows, matrix.columns, matrix.size)
     if symmetric and len(both):
         row, row_direction, column, direction = where[both[0]]
         raise FEFileFault(
@@ -87,7 +87,7 @@ def _matrix(path: Path, name: str, cards: list[BulkCard], scalars: list[range]) 
         )
     # Fields of fixed width may touch the ones before, which have integers.
     fields = islice((text for card in columns for text in card.fields[6::4]), _MANY_VALUES)
-    return replace(found, digits=digits_in("\n".join(fields).encode()))
+    return replace(matrix, digits=digits_in("\n".join(fields).encode()))
 
 
 def _check_header(name: str, header: BulkCard) -> bool:

@@ -27,10 +27,10 @@ _HEADING_WORDS = 6
 def read_op4(path: Path, letter: str, wanted: str = "") -> MatrixFile:
     """The matrix `wanted` at `path`, or the one that `letter` (M K G) means.  Raises FEFileFault."""
     raw = bytes_of(path)
-    found = _binary_matrices(path.name, raw) if is_binary(raw) else _text_matrices(path)
-    if not found:
+    matrices = _binary_matrices(path.name, raw) if is_binary(raw) else _text_matrices(path)
+    if not matrices:
         raise FEFileFault(f"{path.name} is empty", id="FE-044")
-    return chosen(path.name, found, letter, wanted)
+    return chosen(path.name, matrices, letter, wanted)
 
 
 class _Text(NamedTuple):
@@ -52,23 +52,23 @@ class _Text(NamedTuple):
     def integers(self, at: int, counts: tuple[int, ...], message: str, *, id: str) -> list[int]:
         """Return the integers of line `at`, as many as one of `counts`.  Raises FEFileFault."""
         try:
-            found = [integer(word) for word in self.lines[at].split()]
+            numbers = [integer(word) for word in self.lines[at].split()]
         except (ValueError, IndexError):
-            found = []
-        if len(found) not in counts:
+            numbers = []
+        if len(numbers) not in counts:
             raise self.fault(at, message, id=id)
-        return found
+        return numbers
 
 
 def _text_matrices(path: Path) -> list[NamedMatrix]:
     """The matrices by their headings; only what is chosen is read."""
-    text, found, at = _Text(path.name, *filled(lines_of(path))), [], 0
+    text, matrices, at = _Text(path.name, *filled(lines_of(path))), [], 0
     while at < len(text.lines):
         columns, rows, kind, label, _ = _heading(text, at)
         usable = abs(rows) == columns and kind in _REAL
-        found.append(NamedMatrix(label, usable, partial(_read_text, text, at)))
+        matrices.append(NamedMatrix(label, usable, partial(_read_text, text, at)))
         at = _end(text.lines, at, columns)
-    return found
+    return matrices
 
 
 def _end(lines: list[str], at: int, columns: int) -> int:
@@ -162,15 +162,15 @@ class _Layout(NamedTuple):
 def _binary_matrices(file: str, raw: bytes) -> list[NamedMatrix]:
     """The matrices of the file `file`; only what is chosen is read.  Raises FEFileFault."""
     layout = _layout(file, raw)
-    records, found = _records(layout, memoryview(raw)), []
+    records, matrices = _records(layout, memoryview(raw)), []
     for heading in records:
         columns, rows, _, kind = shape = layout.integers(heading, 0, 4)
         name = bytes(heading[4 * layout.word : _HEADING_WORDS * layout.word]).decode("latin-1")
         name = name.strip().upper()
         strings = list(_columns(layout, columns, records))
         usable = kind in _REAL and abs(rows) == columns
-        found.append(NamedMatrix(name, usable, partial(_read_binary, layout, name, shape, strings)))
-    return found
+        matrices.append(NamedMatrix(name, usable, partial(_read_binary, layout, name, shape, strings)))
+    return matrices
 
 
 def _layout(file: str, raw: bytes) -> _Layout:

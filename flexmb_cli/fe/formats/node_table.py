@@ -51,21 +51,21 @@ def read_node_table(path: Path, form: str) -> NodeTable:
     module, name = READERS[form].split(":")
     reader = getattr(import_module(f"{__package__}.{module}"), name)
     with np.errstate(all="ignore"):  # what is not finite is refused below
-        found = list(reader(path))
-    if not found:
+        nodes = list(reader(path))
+    if not nodes:
         raise FEFileFault(f"{path.name} holds no nodes in format {form}", id="FE-053")
-    numbers = np.array([node[0] for node in found], dtype=np.int64)
-    check_twice(path.name, "node", ((node[0], node[2]) for node in found))
-    positions = np.array([node[1] for node in found], dtype=float)
-    turned = any(len(node) > 3 for node in found)
+    numbers = np.array([node[0] for node in nodes], dtype=np.int64)
+    check_twice(path.name, "node", ((node[0], node[2]) for node in nodes))
+    positions = np.array([node[1] for node in nodes], dtype=float)
+    turned = any(len(node) > 3 for node in nodes)
     far = np.flatnonzero(~(np.abs(positions) <= FARTHEST).all(axis=1))
     if far.size:
-        node, position, line = found[far[0]][:3]
+        node, position, line = nodes[far[0]][:3]
         if not np.isfinite(position).all():
             raise line.fault(f"the position of node {node} is not finite", id="FE-129")
         message = f"node {node} lies farther off than {FARTHEST:g} m; was a digit of an exponent lost?"
         raise line.fault(message, id="FE-130")
-    axes = np.array([node[3] if len(node) > 3 else np.eye(3) for node in found]) if turned else None
+    axes = np.array([node[3] if len(node) > 3 else np.eye(3) for node in nodes]) if turned else None
     return NodeTable(numbers, positions, axes)
 
 

@@ -115,7 +115,7 @@ def _joined(name: str, corners: np.ndarray) -> tuple[Any, Any]:
     vertices, index = np.unique(corners + 0.0, axis=0, return_inverse=True)
     triangles = index.reshape(-1, 3)
     a, b, c = triangles.T
-    kept = triangles[(a != b) & (b != c) & (c != a)]
-    if not len(kept):
+    whole = triangles[(a != b) & (b != c) & (c != a)]
+    if not len(whole):
         raise FEFileFault(f"{name} has no triangle whose corners differ", id="FE-082")
-    return vertices, kept
+    return vertices, whole

@@ -130,21 +130,21 @@ def _is_determined(
 @kernel
 def _largest(values: np.ndarray, scale: np.ndarray):
     """The largest of values (n,) in units of their scale."""
-    found = 0.0
+    largest = 0.0
     for k in range(values.shape[0]):
-        found = max(found, abs(values[k]) / scale[k])
-    return found
+        largest = max(largest, abs(values[k]) / scale[k])
+    return largest
 
 
 @kernel
 def _change(values: np.ndarray, scale: np.ndarray):
     """The largest difference of values (2, n) in units of their scale; infinity where one is nan."""
-    found = 0.0
+    largest = 0.0
     for k in range(values.shape[1]):
         change = abs(values[1, k] - values[0, k]) / scale[k]
-        if not change <= found:
-            found = change if change > found else np.inf
-    return found
+        if not change <= largest:
+            largest = change if change > largest else np.inf
+    return largest
 
 
 @kernel

@@ -30,12 +30,12 @@ CLOSED_GAP = 4e-16
 @kernel
 def largest_gap(system: System, work: Work) -> tuple[float, int]:
     """Largest scaled equation in PHI, and its row; NaN counts as infinite."""
-    found, worst = 0.0, 0
+    largest, worst = 0.0, 0
     for row in range(work.rows.shape[1]):
         gap = abs(work.rows[PHI, row]) / system.row_scale[row]
-        if not gap <= found:
-            found, worst = (gap if gap > found else np.inf), row
-    return found, worst
+        if not gap <= largest:
+            largest, worst = (gap if gap > largest else np.inf), row
+    return largest, worst
 
 
 @kernel
@@ -44,13 +44,13 @@ def evaluate_residual(system: System, work: Work, q: np.ndarray, t: float, expec
     rotation_matrices(q, work.rotations[A])
     place_vectors(geometry_of(system, work), q)
     fill_residual(system, work, q, t, expected)
-    found = 0.0
+    largest = 0.0
     for k in range(work.rank[0]):
         row = work.order[k]
         gap = abs(work.rows[PHI, row]) / system.row_scale[row]
-        if not gap <= found:
-            found = gap if gap > found else np.inf
-    return found
+        if not gap <= largest:
+            largest = gap if gap > largest else np.inf
+    return largest
 
 
 @kernel
@@ -106,12 +106,12 @@ def rate_gap(system: System, work: Work, u: np.ndarray, t: float) -> float:
     """Fill GAMMA with ν - J u, where the Jacobian belongs to the position; returns the largest scaled."""
     gamma = work.rows[GAMMA]
     fill_nu(system, t, gamma)
-    found = 0.0
+    largest = 0.0
     for row in range(gamma.shape[0]):
         total = row_times(work.jacobian, work.columns, row, u, system.speed_scale)
         gamma[row] -= total * system.row_scale[row]
-        found = max(found, abs(gamma[row]) / system.row_scale[row])
-    return found
+        largest = max(largest, abs(gamma[row]) / system.row_scale[row])
+    return largest
 
 
 @kernel

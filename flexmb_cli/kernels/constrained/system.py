@@ -132,7 +132,7 @@ def columns_of(system: System):
         pair: _speeds_of({(body, 0, 0) for body in pair}, bodies)
         for pair in set(map(tuple, system.bodies.tolist()))
     }
-    found = [of_pairs[pair] for pair in map(tuple, system.bodies.tolist())]
+    places_of_rows = [of_pairs[pair] for pair in map(tuple, system.bodies.tolist())]
     for row in range(first, system.row_scale.shape[0]):
         body_vectors: set[int] = set()
         k = row - first
@@ -142,7 +142,7 @@ def columns_of(system: System):
             body_vectors.update(int(primitive[name]) for name in ("f", "g", "h") if primitive["beta"])
             k = int(primitive["next"])
         moved = (system.body_vectors[body_vector] for body_vector in body_vectors if body_vector >= 0)
-        found.append(
+        places_of_rows.append(
             _speeds_of(
                 {
                     (int(body_vector["body"]), int(body_vector["first"]), int(body_vector["modes"]))
@@ -151,8 +151,8 @@ def columns_of(system: System):
                 bodies,
             )
         )
-    columns = np.zeros((len(found), 1 + max(map(len, found), default=0)), np.int64)
-    for row, places in enumerate(found):
+    columns = np.zeros((len(places_of_rows), 1 + max(map(len, places_of_rows), default=0)), np.int64)
+    for row, places in enumerate(places_of_rows):
         columns[row, 0] = len(places)
         columns[row, 1 : 1 + len(places)] = places
     return columns

@@ -183,13 +183,13 @@ def _fill_row(integration: AlphaIntegration, t: float, report: Report, system: S
     x = _place_row(system, integration, t)
     interpolate_angles(integration, x)
     copy(angles[EXPECTED], work.angles)
-    found = iterate(system, work, integration, t, 0.0, 0.0, 0.0)
+    converged = iterate(system, work, integration, t, 0.0, 0.0, 0.0)
     if is_doubtful(clock, work):
         _place_row(system, integration, t)
         _accelerations_between(system, integration, x, report.rates[row])
         fill_doubtful(integration, t, x, report, system, work)
         return READY
-    if not found:
+    if not converged:
         return STEP_VANISHED
     copy(integration.trial, report.states[row])
     copy(integration.rates[NEW], report.rates[row])

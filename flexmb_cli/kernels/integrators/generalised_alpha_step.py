@@ -430,7 +430,7 @@ def _correct(
     n = system.speed_scale.shape[0]
     q, u = coordinates_and_speeds(system, integration.trial)
     gaps, corrections = integration.gaps, integration.corrections
-    found, kinds = _largest(system, work, gaps), 3 if gaps.shape[1] > 0 else 1
+    gap, kinds = _largest(system, work, gaps), 3 if gaps.shape[1] > 0 else 1
     for row in range(gaps.shape[1]):
         gaps[SPEED_GAP, row] -= by_speed * gaps[ACCELERATION_GAP, row]
         gaps[POSITION_GAP, row] -= by_position * gaps[ACCELERATION_GAP, row]
@@ -448,18 +448,18 @@ def _correct(
             u[k] += corrections[SPEED_GAP, k]
             step[k] += corrections[POSITION_GAP, k]
     move(system.masses.shape[0], q, step)
-    return size, found
+    return size, gap
 
 
 @part
 def _largest(system: System, work: Work, gaps: np.ndarray) -> float:
     """The largest scaled gap of positions and speeds, of the independent equations."""
-    found = 0.0
+    largest = 0.0
     for kind in (SPEED_GAP, POSITION_GAP):
         for k in range(work.rank[0]):
             row = work.order[k]
-            found = max(found, abs(gaps[kind, row]) / system.row_scale[row])
-    return found
+            largest = max(largest, abs(gaps[kind, row]) / system.row_scale[row])
+    return largest
 
 
 @part

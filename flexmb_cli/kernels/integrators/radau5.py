@@ -85,7 +85,7 @@ def singular_step(system: System, work: Work, integration: "RadauIntegration", h
     if not prepare(integration, work.motions.shape[0] - work.rank[0], h):
         return False
     predict(system, integration, h)
-    clock["error"], power, found = 0.0, 0.0, integration.trial.copy()
+    clock["error"], power, trial = 0.0, 0.0, integration.trial.copy()
     expected = rates[START + STAGES].copy()
     for again in range(2):
         if again:
@@ -95,7 +95,7 @@ def singular_step(system: System, work: Work, integration: "RadauIntegration", h
         place_trial(system, integration, STAGES - 1)
         if not expect_angles(system, work, integration, h) < MOST_TURNED:
             return False
-        copy(integration.trial, found)
+        copy(integration.trial, trial)
         copy(rates[START + STAGES], expected)
         clock["evaluations"] += 1
         code, power = project_state(system, work, integration, clock["t"] + h, rates[START + STAGES])
@@ -110,7 +110,7 @@ def singular_step(system: System, work: Work, integration: "RadauIntegration", h
     if not 1.0 / UNEVEN < behind < UNEVEN:
         return False
     of_work = h * abs(_spread_power(integration, work, power)) / work_scale(integration)
-    clock["error"] = max(clock["error"], moved(integration, found), OF_POWER * of_work) / blur(
+    clock["error"] = max(clock["error"], moved(integration, trial), OF_POWER * of_work) / blur(
         work, clock["rtol"]
     )
     return clock["error"] < 1.0
@@ -293,11 +293,11 @@ def _try_step(system: System, work: Work, integration: RadauIntegration, h: floa
     place_trial(system, integration, STAGES - 1)
     if not expect_angles(system, work, integration, h) < MOST_TURNED:
         return -0.5
-    found = integration.trial.copy()
+    trial = integration.trial.copy()
     clock["fault"] = close_trial(system, work, integration, clock["t"] + h)
     if clock["fault"] != SOLVED:
         return -0.25
-    if not moved(integration, found) < MOST_MOVED * blurred + moved_by_time(integration, h):
+    if not moved(integration, trial) < MOST_MOVED * blurred + moved_by_time(integration, h):
         return -0.5
     return min(1.0 if clock["rejected"] else FASTEST, max(SLOWEST, factor))
 

@@ -65,24 +65,24 @@ def _way(system: System, work: Work, integration: Any, ud: np.ndarray, first: fl
         at_way = work.diagonal[pivot] / work.pivots[pivot]
         if at_way == at_before:
             return math.inf
-        found = way - at_way * (way - before) / (at_way - at_before)
-        if not 0.0 < found < OVER * longest:
+        crossing = way - at_way * (way - before) / (at_way - at_before)
+        if not 0.0 < crossing < OVER * longest:
             return math.inf
-        if abs(found - way) < FOUND * found:
-            return found
-        before, at_before, way = way, at_way, found
+        if abs(crossing - way) < FOUND * crossing:
+            return crossing
+        before, at_before, way = way, at_way, crossing
     return math.inf
 
 
 @kernel
 def most_declined(work: Work):
     """The pivot that is least of what it was."""
-    found, least = 0, math.inf
+    index, least = 0, math.inf
     for k in range(work.rank[0]):
         share = work.diagonal[k] / work.pivots[k]
         if share < least:
-            found, least = k, share
-    return found
+            index, least = k, share
+    return index
 
 
 @allocating

@@ -180,9 +180,9 @@ def observe_trial(
 ):
     """Fill a report row from `trial`, its loops closed first; a code."""
     fault = integration.clock[0]["fault"]
-    found = evaluate(integration, slope, t, tree, work, coordinates)
+    finite = evaluate(integration, slope, t, tree, work, coordinates)
     if tree.closures.shape[0] > 0:
-        if not found:
+        if not finite:
             return NO_INERTIA
         project(tree, work, coordinates, integration.trial)
         evaluate(integration, slope, t, tree, work, coordinates)

@@ -102,32 +102,32 @@ def solve_linear(system: System, work: Work, right_side: np.ndarray, solution: n
     for row in range(scaled.size):
         scaled[row] = right_side[row] * system.units[PER_ROW, row]
     substitute(work.matrix, work.order, work.pattern, scaled, unknown)
-    found = 0.0
+    largest_entry = 0.0
     for k in range(solution.size):
         value = unknown[system.places[k, COLUMN]]
-        found = max(found, abs(value))
+        largest_entry = max(largest_entry, abs(value))
         solution[k] = value * system.units[OF_COORDINATE, k]
-    return found
+    return largest_entry
 
 
 @kernel
 def largest_scaled(system: System, values: np.ndarray) -> float:
     """Return the largest |value| of values (n,) of equations, each in its unit; NaN counts as infinite."""
-    found = 0.0
+    largest_entry = 0.0
     for row in range(values.size):
         value = abs(values[row]) * system.units[PER_ROW, row]
-        if not value <= found:
-            found = value if value > found else np.inf
-    return found
+        if not value <= largest_entry:
+            largest_entry = value if value > largest_entry else np.inf
+    return largest_entry
 
 
 @kernel
 def largest(values: np.ndarray) -> float:
     """Return the largest magnitude in values (n,)."""
-    found = 0.0
+    largest_entry = 0.0
     for k in range(values.size):
-        found = max(found, abs(values[k]))
-    return found
+        largest_entry = max(largest_entry, abs(values[k]))
+    return largest_entry
 
 
 @kernel
@@ -151,10 +151,10 @@ def factorise_at(system: System, work: Work, q: np.ndarray) -> int:
 @kernel
 def reach_of(system: System, q: np.ndarray) -> float:
     """Largest scaled coordinate, at least 1: round-off grows with it when a mechanism travels far."""
-    found = 1.0
+    reach = 1.0
     for k in range(q.size):
-        found = max(found, abs(q[k]) / system.units[OF_COORDINATE, k])
-    return found
+        reach = max(reach, abs(q[k]) / system.units[OF_COORDINATE, k])
+    return reach
 
 
 @kernel
@@ -327,12 +327,12 @@ def make_sparse_work(system: System, repeated: tuple[int, ...], dependent: tuple
     for row in sorted(set(range(n)).difference(repeated)):
         i, j = int(system.places[row, BODY_I]), int(system.places[row, BODY_J])
         halves = [(i, 0)] if i == j else sorted([(i, 0), (j, 7)])
-        kept = [
+        entries = [
             (7 * body + k, at + k) for body, at in halves for k in range(7) if 7 * body + k not in dependent
         ]
-        columns[row, 0] = len(kept)
-        columns[row, 1 : 1 + len(kept)] = [place for place, _ in kept]
-        sources[row, : len(kept)] = [source for _, source in kept]
+        columns[row, 0] = len(entries)
+        columns[row, 1 : 1 + len(entries)] = [place for place, _ in entries]
+        sources[row, : len(entries)] = [source for _, source in entries]
     return SparseWork(
         np.zeros((3, n // 7, 3, 3)), np.zeros((6, n)), np.zeros((n, 14)), np.zeros((n, 14)), columns, sources,
         np.zeros(2 * n, np.int64), paged_zeros((n * n,)), paged_zeros((n * n,), np.int64),
@@ -355,9 +355,9 @@ def _fill_jacobian(system: System, work: SparseWork) -> None:
 @allocating
 def _choose(work: SparseWork, rank: int) -> int:
     """Choose the order by the Jacobian at hand; returns the rank, at most `rank`."""
-    n, found = work.diagonal.shape[0], choose_by_rows(work.jacobian, work.columns, work.order, rank)
+    n, rank_and_size = work.diagonal.shape[0], choose_by_rows(work.jacobian, work.columns, work.order, rank)
     work.chosen[PARITY] = _sign(work.order[:n]) * _sign(work.order[n:])
-    return found
+    return rank_and_size
 
 
 @allocating
@@ -408,11 +408,11 @@ def solve_sparse(system: System, work: SparseWork, right_side: np.ndarray, solut
         scaled[row] = right_side[row] * system.units[PER_ROW, row]
     factors = Factors(work.factors, work.entries, work.ends, work.diagonal)
     dependent_speeds(factors, work.order, int(system.limits[RANK]), scaled, unknown)
-    found = 0.0
+    largest_entry = 0.0
     for k in range(solution.size):
-        found = max(found, abs(unknown[k]))
+        largest_entry = max(largest_entry, abs(unknown[k]))
         solution[k] = unknown[k] * system.units[OF_COORDINATE, k]
-    return found
+    return largest_entry
 
 
 SPARSE = LinearSolver(factorise_sparse, solve_sparse)

@@ -110,26 +110,26 @@ def wider_values(values: np.ndarray, counts: np.ndarray, need: int) -> np.ndarra
 
 @kernel
 def _largest(values: np.ndarray, counts: np.ndarray, row: int) -> float:
-    found = 0.0
+    largest = 0.0
     for p in range(counts[row]):
-        found = max(found, abs(values[row, p]))
-    return found
+        largest = max(largest, abs(values[row, p]))
+    return largest
 
 
 @kernel
 def _greatest(largest: np.ndarray) -> float:
-    found = 0.0
+    greatest = 0.0
     for i in range(largest.shape[0]):
-        found = max(found, largest[i])
-    return found
+        greatest = max(greatest, largest[i])
+    return greatest
 
 
 @kernel
 def _most(counts: np.ndarray) -> int:
-    found = 0
+    most = 0
     for i in range(counts.shape[0]):
-        found = max(found, counts[i])
-    return found
+        most = max(most, counts[i])
+    return most
 
 
 @kernel
@@ -228,7 +228,7 @@ def _search(
     level: float,
 ) -> tuple[int, int]:
     """Row of the next pivot and its place in the row, -1 where no entry is as large as `level`."""
-    found, place, cost, size, looked = -1, -1, counts.shape[0] * in_column.shape[0], 0.0, 0
+    row_of_pivot, place, cost, size, looked = -1, -1, counts.shape[0] * in_column.shape[0], 0.0, 0
     for count in range(1, first.shape[0]):
         row = first[count]
         while row >= 0:
@@ -236,12 +236,12 @@ def _search(
             for p in range(count):
                 value, fill = abs(values[row, p]), (count - 1) * (in_column[columns[row, p]] - 1)
                 if value >= least and (fill < cost or (fill == cost and value > size)):
-                    found, place, cost, size = row, p, fill, value
+                    row_of_pivot, place, cost, size = row, p, fill, value
             looked += 1
             if looked == ROWS_LOOKED_AT or cost == 0:
-                return found, place
+                return row_of_pivot, place
             row = following[row]
-    return found, place
+    return row_of_pivot, place
 
 
 @kernel

@@ -41,9 +41,9 @@ def choose(J: np.ndarray, order: np.ndarray, most: int) -> int:
 
 @kernel
 def _exchange(order: np.ndarray, a: int, b: int) -> None:
-    kept = order[a]
+    first = order[a]
     order[a] = order[b]
-    order[b] = kept
+    order[b] = first
 
 
 @kernel

@@ -64,12 +64,12 @@ def _mode_scale(body: FloatingBody, length: float) -> np.ndarray:
     """The modal coordinates whose largest displacement is `length`, or whose largest rotation is 1 rad."""
     if body.flexible is None:
         return np.zeros(0)
-    found: np.ndarray = np.abs(body.flexible.Phi).max(axis=0)
+    scale: np.ndarray = np.abs(body.flexible.Phi).max(axis=0)
     if body.flexible.Psi.size:
-        found = np.maximum(found, length * np.nan_to_num(np.abs(body.flexible.Psi)).max(axis=0))
+        scale = np.maximum(scale, length * np.nan_to_num(np.abs(body.flexible.Psi)).max(axis=0))
         # Modes in which no node moves are as large as the others.
-        found = np.maximum(found, ROUND_OFF_SHAPE * found.max())
-    return length / found
+        scale = np.maximum(scale, ROUND_OFF_SHAPE * scale.max())
+    return length / scale
 
 
 def _masses(bodies: Sequence[FloatingBody]) -> np.ndarray:

@@ -43,22 +43,22 @@ def _unit_of(contour: str) -> str:
 def nodal_values(body: ElementBody, amplitude: np.ndarray) -> dict[str, np.ndarray]:
     """Values (n, T) at the nodes of a body by CONTOURS, for `amplitude` (T, N)."""
     moved = body.shape @ amplitude.T
-    found = _stresses_and_strains(body, amplitude) if body.stress_shape is not None else {}
-    return found | {DEFORMATION: np.sqrt(np.square(moved).sum(axis=1))}
+    values = _stresses_and_strains(body, amplitude) if body.stress_shape is not None else {}
+    return values | {DEFORMATION: np.sqrt(np.square(moved).sum(axis=1))}
 
 
 def _stresses_and_strains(body: ElementBody, amplitude: np.ndarray) -> dict[str, np.ndarray]:
     stress = np.moveaxis(body.stress_shape @ amplitude.T, 1, -1)
     principal = principal_values(stress)
-    found = {VON_MISES: von_mises(stress)}
-    found |= {f"principal stress {k}": principal[..., k - 1] for k in ORDER}
-    found |= {f"stress {c}": stress[..., k] for k, c in enumerate(COMPONENTS)}
+    values = {VON_MISES: von_mises(stress)}
+    values |= {f"principal stress {k}": principal[..., k - 1] for k in ORDER}
+    values |= {f"stress {c}": stress[..., k] for k, c in enumerate(COMPONENTS)}
     if body.material:
         strain = strains(stress, *body.material)
         stretched = strains(np.concatenate([principal, np.zeros_like(principal)], axis=-1), *body.material)
-        found |= {f"principal strain {k}": stretched[..., k - 1] for k in ORDER}
-        found |= {f"strain {c}": strain[..., k] for k, c in enumerate(COMPONENTS)}
-    return found
+        values |= {f"principal strain {k}": stretched[..., k - 1] for k in ORDER}
+        values |= {f"strain {c}": strain[..., k] for k, c in enumerate(COMPONENTS)}
+    return values
 
 
 def principal_values(tensor: np.ndarray) -> np.ndarray:
@@ -84,20 +84,22 @@ def contour_ranges(bodies: Sequence[ElementBody]) -> Ranges:
 
     Those without sign begin at 0.
     """
-    found: Ranges = {}
+    ranges: Ranges = {}
     for name, values in (pair for body in bodies for pair in _all_values(body)):
         finite = np.isfinite(values)
-        low, high = found.get(name, (np.inf, -np.inf))
+        low, high = ranges.get(name, (np.inf, -np.inf))
         low = min(low, float(np.min(values, where=finite, initial=np.inf)))
-        found[name] = low, max(high, float(np.max(values, where=finite, initial=-np.inf)))
-    kept = {name: ends if ends[0] <= ends[1] else (0.0, 0.0) for name, ends in found.items()}
-    kept |= {name: (0.0, kept[name][1]) for name in UNSIGNED if name in kept}
+        ranges[name] = low, max(high, float(np.max(values, where=finite, initial=-np.inf)))
+    usable = {name: ends if ends[0] <= ends[1] else (0.0, 0.0) for name, ends in ranges.items()}
+    usable |= {name: (0.0, usable[name][1]) for name in UNSIGNED if name in usable}
     for names in (STRESSES, STRAINS):
-        least = ROUND_OFF_PART * max((abs(end) for name in names for end in kept.get(name, ())), default=0.0)
-        for name in kept.keys() & set(names):
-            low, high = (0.0 if abs(end) <= least else end for end in kept[name])
-            kept[name] = low, high
-    return {name: kept[name] for name in CONTOURS if name in kept}
+        least = ROUND_OFF_PART * max(
+            (abs(end) for name in names for end in usable.get(name, ())), default=0.0
+        )
+        for name in usable.keys() & set(names):
+            low, high = (0.0 if abs(end) <= least else end for end in usable[name])
+            usable[name] = low, high
+    return {name: usable[name] for name in CONTOURS if name in usable}
 
 
 @np.errstate(all="ignore")
@@ -112,13 +114,13 @@ def resting_row(bodies: Sequence[ElementBody]) -> int:
 
 def _largest_stress(body: ElementBody) -> np.ndarray:
     """Largest finite von Mises stress (T,) at the nodes."""
-    found = np.zeros(len(body.amplitude))
+    largest = np.zeros(len(body.amplitude))
     rows = _rows_at_a_time(body)
-    for first in range(0, len(found), rows):
+    for first in range(0, len(largest), rows):
         part = slice(first, first + rows)
         values = von_mises(np.moveaxis(body.stress_shape @ body.amplitude[part].T, 1, -1))
-        found[part] = np.max(values, axis=0, where=np.isfinite(values), initial=0.0)
-    return found
+        largest[part] = np.max(values, axis=0, where=np.isfinite(values), initial=0.0)
+    return largest
 
 
 def _rows_at_a_time(body: ElementBody) -> int:
@@ -168,8 +170,8 @@ DEFAULT_LOOK = BodyLook()
 def largest_scale(ranges: Ranges, size: float) -> float:
     """Return the scale, at least 1, that makes the largest deformation as large as `size`, m."""
     largest = ranges.get(DEFORMATION, (0.0, 0.0))[1]
-    found = min(MOST_SCALE, size / largest) if largest > size / MOST_SCALE else MOST_SCALE
-    return float(f"{max(1.0, found):.2g}")
+    scale = min(MOST_SCALE, size / largest) if largest > size / MOST_SCALE else MOST_SCALE
+    return float(f"{max(1.0, scale):.2g}")
 
 
 def shown_colours(look: BodyLook, ranges: Ranges) -> str:
@@ -196,8 +198,8 @@ def check_look(path: str, look: BodyLook, ranges: Ranges, size: float) -> None:
 
 def _check_colours(path: str, look: BodyLook, ranges: Ranges) -> None:
     """Bodies of one colour each are no fault where the look is that of the default."""
-    wanted = look.colours in CONTOURS and (look.colours != VON_MISES or look.ends is not None)
-    if not wanted or look.colours in ranges:
+    known = look.colours in CONTOURS and (look.colours != VON_MISES or look.ends is not None)
+    if not known or look.colours in ranges:
         return
     if DEFORMATION not in ranges:
         message = f"there is no body with elements to colour by {look.colours}"

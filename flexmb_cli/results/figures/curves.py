@@ -138,8 +138,8 @@ def default_curves(result: h5py.File) -> DefaultCurves:
     if any(quantity.dataset == "element/effort" for quantity in known):
         datasets += [dataset for dataset in OF_ELEMENTS if dataset not in datasets]
     for dataset in datasets:
-        wanted = [quantity for quantity in known if quantity.dataset == dataset]
-        moving = _moving(result, wanted)
+        of_dataset = [quantity for quantity in known if quantity.dataset == dataset]
+        moving = _moving(result, of_dataset)
         # Bodies are drawn where there are no points that show the motion.
         if moving and not (dataset == "body/position" and chosen):
             chosen += _few_of_each_unit(result, moving, cut)
@@ -164,7 +164,7 @@ def panels(sources: Sequence[Source], wishes: Wishes = AS_STORED) -> list[Panel]
 
     Values are in the units that are wanted; others have prefixes.
     """
-    found: dict[tuple[str, bool, bool], list[Curve]] = {}
+    curves_of_panel: dict[tuple[str, bool, bool], list[Curve]] = {}
     for number, source in enumerate(sources):
         x, *drawn = (one.in_units(wishes) for one in (source.abscissa, *source.quantities))
         values = read(source.result, [x, *drawn], source.rows)
@@ -176,12 +176,12 @@ def panels(sources: Sequence[Source], wishes: Wishes = AS_STORED) -> list[Panel]
             words = readable(quantity)
             name = f"{source.label}: {words.label}" if source.label else words.label
             y = values[:, column] - (values[0, column] if changes else 0.0)
-            found.setdefault(key, []).append(Curve(name, values[:, 0], y, rank, number, words))
+            curves_of_panel.setdefault(key, []).append(Curve(name, values[:, 0], y, rank, number, words))
     x = sources[0].abscissa.in_units(wishes)
     x_label = f"{readable(x).label} [{x.unit}]"
     return [
         Panel(x_label, unit, tuple(curves), unit == x.unit, changes).readable(wishes)
-        for (unit, changes, _), curves in found.items()
+        for (unit, changes, _), curves in curves_of_panel.items()
     ]
 
 
@@ -197,15 +197,15 @@ def _few_of_each_unit(result: h5py.File, quantities: list[Quantity], cut: list[s
 
     Of stresses those with the largest values are kept, of others those that change most.
     """
-    kept: list[Quantity] = []
+    chosen: list[Quantity] = []
     for unit in dict.fromkeys(quantity.unit for quantity in quantities):
         of_unit = [quantity for quantity in quantities if quantity.unit == unit]
         if len(of_unit) > MOST_CURVES:
             of_stress = all(quantity.dataset.startswith("stress/") for quantity in of_unit)
             cut.append(_cut_short(of_unit, of_stress))
             of_unit = _largest(result, of_unit, of_stress)
-        kept += of_unit
-    return [quantity for quantity in quantities if quantity in kept]
+        chosen += of_unit
+    return [quantity for quantity in quantities if quantity in chosen]
 
 
 def _largest(result: h5py.File, quantities: list[Quantity], by_value: bool) -> list[Quantity]:

@@ -114,9 +114,9 @@ class DepthBuffer:
 def _palette(colours: np.ndarray) -> np.ndarray:
     """Return packed `colours` (k, 3) at all levels of light, those of a level side by side."""
     levels = np.arange(LEVELS + 1)[:, None, None] / LEVELS
-    found = np.full((LEVELS + 1, len(colours), 4), 255, np.uint8)
-    found[..., :3] = 255 * levels * colours + 0.5
-    return found.reshape(-1, 4).view(np.uint32)[:, 0]
+    shades = np.full((LEVELS + 1, len(colours), 4), 255, np.uint8)
+    shades[..., :3] = 255 * levels * colours + 0.5
+    return shades.reshape(-1, 4).view(np.uint32)[:, 0]
 
 
 def _spans(counts: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
@@ -144,8 +144,8 @@ def _linear(
     du, dv, area = values[:, 1] - values[:, 0], values[:, 2] - values[:, 0], ux * vy - uy * vx
     along_x, along_y = (du * vy - dv * uy) / area, (dv * ux - du * vx) / area
     x, y = (places - corners[k, 0, :2]).T
-    found = values[k, 0] + along_x[k] * x + along_y[k] * y
-    return found.astype(np.float32), along_x[k].astype(np.float32)
+    at_origin = values[k, 0] + along_x[k] * x + along_y[k] * y
+    return at_origin.astype(np.float32), along_x[k].astype(np.float32)
 
 
 def _triangle_rows(corners: np.ndarray, width: int, height: int) -> tuple[np.ndarray, ...]:

@@ -132,8 +132,8 @@ class ElementBody:
 
     def places(self, row: int, scale: float = 1.0) -> np.ndarray:
         """Positions (n, 3) of the nodes in a row, global axes, deformed `scale` times as much."""
-        found: np.ndarray = self.origin[row] + self.undeformed @ self.turn[row].T
-        return found + scale * self.deformation(row)
+        undeformed_places: np.ndarray = self.origin[row] + self.undeformed @ self.turn[row].T
+        return undeformed_places + scale * self.deformation(row)
 
     def velocities(self, row: int) -> np.ndarray:
         """Velocities (n, 3) of the nodes in a row, global axes: v + omega x (x - r) + A Phi eta'."""
@@ -221,7 +221,7 @@ def _rows_of(cells: np.ndarray, numbers: np.ndarray, name: str) -> np.ndarray:
     if cells.shape[1] not in FACES or not len(cells):
         raise Damaged(f"the elements of {name} have {cells.shape[1]} nodes")
     order = np.argsort(numbers)
-    found = order[np.minimum(np.searchsorted(numbers[order], cells), len(order) - 1)]
-    if (numbers[found] != cells).any():
+    rows = order[np.minimum(np.searchsorted(numbers[order], cells), len(order) - 1)]
+    if (numbers[rows] != cells).any():
         raise Damaged(f"the elements of {name} have nodes that the body has not")
-    return found
+    return rows

@@ -240,13 +240,13 @@ class _Surface:
         """
         if not self.of_elements or not self.ends:
             return None
-        found = self._energies(row) if self.contour == ENERGY else self._nodal(row)
+        of_row = self._energies(row) if self.contour == ENERGY else self._nodal(row)
         low, high = self.ends
-        return None if found is None else (found - low) / ((high - low) or 1.0)
+        return None if of_row is None else (of_row - low) / ((high - low) or 1.0)
 
     def _nodal(self, row: int) -> np.ndarray | None:
-        found = nodal_values(self.body, self.body.amplitude[row : row + 1]).get(self.contour)
-        return None if found is None else found[:, 0][self.triangles]
+        of_nodes = nodal_values(self.body, self.body.amplitude[row : row + 1]).get(self.contour)
+        return None if of_nodes is None else of_nodes[:, 0][self.triangles]
 
     def _energies(self, row: int) -> np.ndarray | None:
         if not self.body.of_elements:

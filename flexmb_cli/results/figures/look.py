@@ -95,22 +95,22 @@ class Look:
         if rcParams["text.usetex"]:
             return []
         missing = [family for family in rcParams["font.family"] if not _is_installed(family)]
-        kept = [family for family in rcParams["font.family"] if family not in missing]
-        rcParams["font.family"] = kept or ["sans-serif"]
+        families = [family for family in rcParams["font.family"] if family not in missing]
+        rcParams["font.family"] = families or ["sans-serif"]
         return missing
 
     def settings(self) -> "dict[RcKeyType, Any]":
         """Settings of matplotlib that follow, for rcParams."""
         size = self.size or 8.0
         smaller = SMALLER_LETTERS * size
-        found: dict[RcKeyType, Any] = {
+        values: dict[RcKeyType, Any] = {
             "font.size": size, "axes.labelsize": size, "axes.titlesize": size, "figure.titlesize": size,
             "legend.fontsize": smaller, "xtick.labelsize": smaller, "ytick.labelsize": smaller,
             "lines.linewidth": PRINTED_PART * THICKNESS,
             "axes.linewidth": 0.6, "legend.frameon": False, "xtick.direction": "in", "ytick.direction": "in",
             "pdf.fonttype": 42, "svg.fonttype": "path", "text.usetex": self.latex,
         }  # fmt: skip
-        return found | ({"font.family": self.font} if self.font else {})
+        return values | ({"font.family": self.font} if self.font else {})
 
 
 def settings() -> "dict[RcKeyType, Any]":

@@ -167,12 +167,12 @@ def _lay_out(figure: "Figure") -> bool:
 
 def _grow(figure: "Figure", heights: list[float]) -> bool:
     """Make a figure higher whose legends take much of the height of its panels; return whether they do."""
-    wanted = sum(heights)
-    found = sum(axis.bbox.height for axis in figure.axes) / figure.dpi
-    if found >= SQUEEZED * wanted:
+    height_asked = sum(heights)
+    height_drawn = sum(axis.bbox.height for axis in figure.axes) / figure.dpi
+    if height_drawn >= SQUEEZED * height_asked:
         return False
     width, height = figure.get_size_inches()
-    figure.set_size_inches(width, height + wanted - found)
+    figure.set_size_inches(width, height + height_asked - height_drawn)
     return True
 
 

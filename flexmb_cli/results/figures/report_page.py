@@ -291,31 +291,31 @@ def _status(result: h5py.File) -> str:
 
 def _audit(result: h5py.File) -> list[tuple[str, str]]:
     """Return (name, number) of every figure about the accuracy of the result."""
-    found = []
+    items = []
     for name, dataset in result["audit"].items() if "audit" in result else ():
         if isinstance(dataset, h5py.Dataset) and is_number(dataset) and dataset.size:
             values = dataset[()]
             what = f"{attribute(dataset, 'long_name', name)} [{attribute(dataset, 'units', '1')}]"
-            found.append((what, f"largest {np.max(values):.3g}, mean {np.mean(values):.3g}"))
+            items.append((what, f"largest {np.max(values):.3g}, mean {np.mean(values):.3g}"))
     if "energy/total" in result and len(result["energy/total"]):
         total, kinetic = result["energy/total"][:], result["energy/kinetic"][:]
         drift = np.max(np.abs(total - total[0]))
-        found.append(
+        items.append(
             ("drift of the total energy [J]", f"{drift:.3g}; kinetic energy up to {kinetic.max():.3g}")
         )
-    return found
+    return items
 
 
 def _run(result: h5py.File) -> list[tuple[str, str]]:
     attributes = ("deck_name", "deck_sha256", "dialect", "analysis", "status", "message", "flexmb_version")
-    found = [(name.replace("_", " "), attribute(result, name)) for name in attributes]
-    found.append(("set by --set", ", ".join(settings_of(result))))
-    found.append(("solved with", ", ".join(settings_of(result, "options"))))
-    found += [
+    items = [(name.replace("_", " "), attribute(result, name)) for name in attributes]
+    items.append(("set by --set", ", ".join(settings_of(result))))
+    items.append(("solved with", ", ".join(settings_of(result, "options"))))
+    items += [
         (f"{kind}s", f"{len(result[kind + '/name'])}: " + ", ".join(texts(result[kind + "/name"])[:40]))
         for kind in ("body", "joint", "driver", "point", "coordinate") if f"{kind}/name" in result
     ]  # fmt: skip
-    return [(what.replace("bodys", "bodies"), reported) for what, reported in found if reported]
+    return [(what.replace("bodys", "bodies"), reported) for what, reported in items if reported]
 
 
 def _deck(result: h5py.File) -> str:

@@ -108,11 +108,11 @@ def gabriel_edges(points: np.ndarray) -> np.ndarray:
 
 def different(points: np.ndarray, distance: float) -> list[int]:
     """Indices of `points` (n, 3) without those within `distance` of an earlier one."""
-    kept: list[int] = []
+    chosen: list[int] = []
     for k, point in enumerate(points):
-        if not kept or np.min(np.linalg.norm(points[kept] - point, axis=1)) > distance:
-            kept.append(k)
-    return kept
+        if not chosen or np.min(np.linalg.norm(points[chosen] - point, axis=1)) > distance:
+            chosen.append(k)
+    return chosen
 
 
 # A letter a dataset's axis: time, body, joint, point, node, mode, or its length.
@@ -362,14 +362,14 @@ def _nodes(
         group, amplitude = result.get(f"elastic/{name}", {}), f"modal/{name}/amplitude"
         if "node_position" not in group:
             continue
-        undeformed, kept = group["node_position"][:], slice(None)
+        undeformed, chosen = group["node_position"][:], slice(None)
         if ends and "cell" in group:
-            kept = _outermost(undeformed, ends[1][ends[0] == number])
-            undeformed = undeformed[kept]
+            chosen = _outermost(undeformed, ends[1][ends[0] == number])
+            undeformed = undeformed[chosen]
         if "displacement" in group:
-            yield number, (undeformed, undeformed + group["displacement"][rows][:, kept])
+            yield number, (undeformed, undeformed + group["displacement"][rows][:, chosen])
         elif "shape" in group and amplitude in result:
-            moved = np.einsum("nxm,tm->tnx", group["shape"][:][kept], result[amplitude][rows])
+            moved = np.einsum("nxm,tm->tnx", group["shape"][:][chosen], result[amplitude][rows])
             yield number, (undeformed, undeformed + moved)
 
 

@@ -128,9 +128,9 @@ def _row(
 
 def _principal(tensor: np.ndarray) -> np.ndarray:
     """Principal values (n, 3) of tensors (n, 6), nan where one is not finite."""
-    finite, found = np.isfinite(tensor).all(axis=1), np.full((len(tensor), 3), np.nan)
-    found[finite] = principal_stresses(tensor[finite])
-    return found
+    finite, values = np.isfinite(tensor).all(axis=1), np.full((len(tensor), 3), np.nan)
+    values[finite] = principal_stresses(tensor[finite])
+    return values
 
 
 def _strain(body: ElementBody, row: int) -> np.ndarray:
@@ -175,7 +175,7 @@ def _write_polygons(root: h5py.Group, bodies: list[Drawn], counts: list[int]) ->
     """A vertex for every mark, a line for every edge, the triangles of shapes; the same for all steps."""
     every = _numbered(bodies, counts, False)
     for name, kind in zip(CELLS, (VERTEX, VTK_LINE, 0, TRIANGLE), strict=True):
-        _write_cells(root.create_group(name), [cells for found, cells in every if found == kind])
+        _write_cells(root.create_group(name), [cells for sides, cells in every if sides == kind])
 
 
 def _write_grid(root: h5py.Group, bodies: list[Drawn], counts: list[int]) -> None:

@@ -197,8 +197,8 @@ def exudyn_script(
         raise ModelError(faults)
     time, placed = model.mechanism.time, _Placed(model, start)
     links = model.elements.composites
-    held, kept = independent_equations(model.mechanism, links, [start, *later])
-    left = 6 * len(placed.numbers) - sum(map(sum, held)) - sum(kept)
+    held, independent = independent_equations(model.mechanism, links, [start, *later])
+    left = 6 * len(placed.numbers) - sum(map(sum, held)) - sum(independent)
     if dofs not in (None, left):
         message = (
             f"the script would have {left} degrees of freedom, the deck has {dofs}: some equations nearly "
@@ -206,7 +206,7 @@ def exudyn_script(
         )
         raise ModelError([Fault("error", message, id="RESULT-085")])
     lines = [_head(placed, name) + FUNCTIONS + DEFINITIONS, "bodies = []"]
-    lines += [*placed.bodies(), *placed.joints(held), *placed.loads(), *placed.elements(kept)]
+    lines += [*placed.bodies(), *placed.joints(held), *placed.loads(), *placed.elements(independent)]
     intervals = max(time.rows - 1, 1)
     return "\n".join(lines) + TAIL.format(
         title=name,
@@ -250,8 +250,8 @@ def _foreign_elements(elements: JointElements) -> Iterator[Fault]:
         for item in getattr(elements, kind):
             yield Fault("error", message, item.place, item.name, id=name)
     for force in elements.forces:
-        if found := _refused(force):
-            message, name = found
+        if refusal := _refused(force):
+            message, name = refusal
             yield Fault("error", message, force.place, force.name, id=name)
     for composite in elements.composites:
         if composite.kind != LINK:
@@ -310,9 +310,9 @@ class _Placed:
 
     def graphics(self, bodies: list[int]) -> str:
         """Return the argument for the shapes of bodies, from the mass centre or global; "" without any."""
-        found = [shape for shape in self.model.mechanism.shapes if shape.body - 1 in bodies]
+        shapes = [shape for shape in self.model.mechanism.shapes if shape.body - 1 in bodies]
         surfaces = []
-        for shape in found:
+        for shape in shapes:
             k = shape.body - 1
             points = shape.vertices
             if k in self.still:

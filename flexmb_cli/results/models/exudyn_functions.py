@@ -69,17 +69,17 @@ def function_text(function: MotionFunction) -> str:
 def table_pieces(function: MotionFunction) -> Pieces:
     """Return the cubics of a table by its values and curvatures at the points, and what it is beyond them."""
     times, f, g = (list(map(float, part)) for part in (function.times, function.values, function.curvature))
-    found = []
+    pieces = []
     for k, (t, following) in enumerate(pairwise(times)):
         h = following - t
         rate = (f[k + 1] - f[k]) / h - (2 * g[k] + g[k + 1]) * h / 6
-        found.append((t, f[k], rate, g[k] / 2, (g[k + 1] - g[k]) / (6 * h)))
+        pieces.append((t, f[k], rate, g[k] / 2, (g[k + 1] - g[k]) / (6 * h)))
     held = function.kind == HELD_TABLE
     h = times[-1] - times[-2]
     last = 0.0 if held else (f[-1] - f[-2]) / h + (g[-2] + 2 * g[-1]) * h / 6
     # The first piece holds before its start as well.
-    before = (times[0] - 1.0, f[0], 0.0) if held else (times[0] - 1.0, f[0] - found[0][2], found[0][2])
-    return (before, *found, (times[-1], f[-1], last))
+    before = (times[0] - 1.0, f[0], 0.0) if held else (times[0] - 1.0, f[0] - pieces[0][2], pieces[0][2])
+    return (before, *pieces, (times[-1], f[-1], last))
 
 
 def _rows(pieces: Pieces) -> list[list[float]]:

@@ -58,24 +58,24 @@ def independent_equations(
     the distance of two points and come after all joints.
     """
     chosen = [_independent_rows(_rows(mechanism, links, positions[0], later)) for later in positions]
-    kept = iter(max(chosen, key=sum))
-    axes = [tuple(int(held and next(kept)) for held in HELD[joint.kind]) for joint in mechanism.joints]
-    return axes, list(kept)
+    independent = iter(max(chosen, key=sum))
+    axes = [tuple(int(held and next(independent)) for held in HELD[joint.kind]) for joint in mechanism.joints]
+    return axes, list(independent)
 
 
 def _independent_rows(rows: np.ndarray) -> list[bool]:
     """Return of every row whether it is independent of those before it that are kept."""
     basis = np.zeros((0, rows.shape[1]))
-    kept = []
+    independent = []
     for row in rows:
         size = np.linalg.norm(row)
         left = row / size if size > 0 else row
         for _ in range(2):  # once leaves round-off of the size of what was taken away
             left = left - basis.T @ (basis @ left)
-        kept.append(bool(np.linalg.norm(left) > INDEPENDENT))
-        if kept[-1]:
+        independent.append(bool(np.linalg.norm(left) > INDEPENDENT))
+        if independent[-1]:
             basis = np.vstack([basis, left / np.linalg.norm(left)])
-    return kept
+    return independent
 
 
 def _rows(
@@ -88,7 +88,7 @@ def _rows(
     columns = {body: 6 * k for k, body in enumerate(k for k in range(len(now["r"])) if k not in still)}
     length = float(np.ptp(now["r"], axis=0).max()) or 1.0
     row = partial(_row, origins=places, columns=columns, length=length)
-    found: list[np.ndarray] = []
+    rows: list[np.ndarray] = []
     for joint, frame in zip(mechanism.joints, joint_frames(mechanism, start), strict=True):
         frame_of_i, frame_of_j = (turned[body] @ first[body].T @ frame for body in (joint.i, joint.j))
         # The script gives body J the point that lies at P_i at the start, wherever P_j is.
@@ -97,13 +97,13 @@ def _rows(
         for axis, held in enumerate(HELD[joint.kind]):
             if held:
                 direction = frame_of_i[:, axis] if axis < 3 else frame_of_j[:, axis - 3]
-                found.append(row(joint, direction, place if axis < 3 else None))
+                rows.append(row(joint, direction, place if axis < 3 else None))
     for link in links:
         P_i, P_j = (
             places[body] + turned[body] @ np.array(P) for body, P in ((link.i, link.P_i), (link.j, link.P_j))
         )
-        found.append(row(link, P_j - P_i, P_j))
-    return np.array(found).reshape(len(found), 6 * len(columns))
+        rows.append(row(link, P_j - P_i, P_j))
+    return np.array(rows).reshape(len(rows), 6 * len(columns))
 
 
 def _row(

@@ -260,8 +260,8 @@ def model_of_links(
     notes: tuple[str, ...] = (),
 ) -> RigidModel:
     """Return the rigid model of links at their start, whose joint coordinates count from there."""
-    made = Assembly(links)
-    pairs = list(made.joints())
+    assembly = Assembly(links)
+    pairs = list(assembly.joints())
     number = {joint.name: k for k, (_, joints) in enumerate(pairs) for joint in joints}
     by_name = {joint.name: joint for _, joints in pairs for joint in joints}
 
@@ -285,12 +285,12 @@ def model_of_links(
         terms = tuple((*at(name), factor) for name, factor in ((gear.joint, 1.0), (gear.other, -gear.ratio)))
         couplings.append(Coupling(gear.name, terms))
     return RigidModel(
-        tuple(made.bodies()),
+        tuple(assembly.bodies()),
         TIMES,
         vector(gravity),
-        (*(rigid for rigid, _ in pairs), *map(made.tie, ties)),
+        (*(rigid for rigid, _ in pairs), *map(assembly.tie, ties)),
         elements=tuple(springs),
         couplings=tuple(couplings),
-        shapes=tuple(made.shapes()),
+        shapes=tuple(assembly.shapes()),
         notes=(*notes, f"times are flexmb's: 0 to {TIMES.end:g} s by {TIMES.step:g} s"),
     )

@@ -130,12 +130,12 @@ def _add_loops(top: ElementTree.Element, tree: Tree, sites: _Sites) -> None:
     """Add closed loops, and couplings of two coordinates; MuJoCo holds them by forces."""
     if not (tree.closures or tree.elements.couplings):
         return
-    found = ElementTree.SubElement(top, "equality")
+    equality = ElementTree.SubElement(top, "equality")
     for closure in tree.closures:
         # Two points, for an anchor would be one where both bodies meet at zero coordinates.
         ends = {"site1": (closure.a, closure.a_point), "site2": (closure.b, closure.b_point)}
         about = {"name": closure.name} | {key: sites.at(*end) for key, end in ends.items()}
-        ElementTree.SubElement(found, "connect", about | STIFF)
+        ElementTree.SubElement(equality, "connect", about | STIFF)
     for item in tree.elements.couplings:
         (first, one, a), (second, other, b) = item.terms
         names = {
@@ -144,18 +144,18 @@ def _add_loops(top: ElementTree.Element, tree: Tree, sites: _Sites) -> None:
         }
         # Coordinates of MuJoCo count from the tree's own zero, as those of equalities do.
         about = {"name": item.name, "polycoef": _numbers([0.0, -b / a, 0.0, 0.0, 0.0])}
-        ElementTree.SubElement(found, "joint", about | names | STIFF)
+        ElementTree.SubElement(equality, "joint", about | names | STIFF)
 
 
 def _add_tendons(top: ElementTree.Element, tree: Tree, sites: _Sites) -> None:
     """Add springs between two points."""
     lines = [item for item in tree.elements.forces if isinstance(item.measure, Line)]
-    found = ElementTree.SubElement(top, "tendon") if lines else top
+    tendons = ElementTree.SubElement(top, "tendon") if lines else top
     for item in lines:
         i, j, P_i, P_j = item.measure
         stiffness, rest, damping = map(float, item.values[:3])
         about = {"stiffness": repr(stiffness), "damping": repr(damping), "springlength": repr(rest)}
-        tendon = ElementTree.SubElement(found, "spatial", {"name": item.name} | about)
+        tendon = ElementTree.SubElement(tendons, "spatial", {"name": item.name} | about)
         for end in ((i, P_i), (j, P_j)):
             ElementTree.SubElement(tendon, "site", {"site": sites.at(*end)})
 
@@ -167,14 +167,14 @@ def _add_actuators(top: ElementTree.Element, tree: Tree, sites: _Sites) -> list[
     motors = [item for item in tree.elements.forces if item.law is MOTOR]
     if not loads and not motors:
         return []
-    found = ElementTree.SubElement(top, "actuator")
+    actuators = ElementTree.SubElement(top, "actuator")
     for item in motors:
         joint = f"{tree.bodies[item.measure.joint].name} {item.measure.coordinate}"
-        ElementTree.SubElement(found, "motor", {"name": item.name, "joint": joint})
+        ElementTree.SubElement(actuators, "motor", {"name": item.name, "joint": joint})
     world = sites.at(INERTIAL, (0.0, 0.0, 0.0)) if loads else ""
     for k, load in loads:
         about = {"site": sites.at(k, (0.0, 0.0, 0.0)), "refsite": world, "gear": _numbers(load)}
-        ElementTree.SubElement(found, "general", {"name": f"load of {tree.bodies[k].name}"} | about)
+        ElementTree.SubElement(actuators, "general", {"name": f"load of {tree.bodies[k].name}"} | about)
     return [*(float(value_of(item["function"]) or 0.0) for item in motors), *[1.0] * len(loads)]
 
 

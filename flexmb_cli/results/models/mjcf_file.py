@@ -46,7 +46,7 @@ def mjcf_model(top: Element, notes: list[Fault]) -> RigidModel:
     Raises ModelError for what flexmb does not have, and for parts that would act.
     """
     for part in _FOREIGN:
-        if any(len(found) for found in top.findall(part)):
+        if any(len(item) for item in top.findall(part)):
             raise refuse(
                 part, "it does not convert: remove it, and give the new deck springs or motors", "RESULT-171"
             )
@@ -71,8 +71,8 @@ class _Reader:
     """The links of a file, and how its numbers are meant."""
 
     def __init__(self, top: Element):
-        found = top.find("compiler")
-        self.compiler = attributes(found)
+        compiler = top.find("compiler")
+        self.compiler = attributes(compiler)
         self.angle = 1.0 if self.compiler.get("angle") == "radian" else np.pi / 180
         self.defaults: dict[str, dict[str, dict[str, str]]] = {"": {}}
         for item in top.findall("default"):
@@ -196,12 +196,12 @@ class _Reader:
         (centre, axes), kind, sizes = self._solid(geom)
         if kind in ("plane", "hfield"):
             return
-        found = solid(kind, sizes)
-        if found is None and geom.get("mass") != "0":
+        volume_and_moments = solid(kind, sizes)
+        if volume_and_moments is None and geom.get("mass") != "0":
             message = f"the mass of a geom {kind} is unknown here: give the body an element inertial"
             raise refuse(name, message, "RESULT-178")
-        if found is not None:
-            volume, moments = found
+        if volume_and_moments is not None:
+            volume, moments = volume_and_moments
             mass = float(geom["mass"]) if "mass" in geom else float(geom.get("density", 1000)) * volume
             yield Mass(mass, centre, axes @ np.diag(mass * moments) @ axes.T)
 

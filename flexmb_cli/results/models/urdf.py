@@ -55,8 +55,8 @@ def _name(item: Element) -> str:
 
 def _end(joint: Element, tag: str, bodies: dict[str, Element]) -> str:
     """Return the link that a joint names as its parent or child."""
-    found = joint.find(tag)
-    name = "" if found is None else found.get("link", "")
+    item = joint.find(tag)
+    name = "" if item is None else item.get("link", "")
     if name not in bodies:
         raise refuse(_name(joint), f"its {tag} is no link: {name or 'none'}", "RESULT-166")
     return name
@@ -117,8 +117,8 @@ def _mass(item: Element) -> Mass:
 
 def _origin(item: Element) -> Any:
     """Return the frame of `origin`: roll, pitch and yaw about the fixed axes x, y, z."""
-    found = item.find("origin")
-    about = attributes(found)
+    origin = item.find("origin")
+    about = attributes(origin)
     place = numbers(about.get("xyz", "0 0 0"), 3, item.tag)
     return place, turning(vector(numbers(about.get("rpy", "0 0 0"), 3, item.tag)))
 
@@ -148,12 +148,12 @@ def attributes(item: Element | None) -> dict[str, str]:
 def numbers(text: str, count: int, name: str) -> np.ndarray:
     """Return the numbers of an attribute; raises ModelError if there are others than `count`."""
     try:
-        found = np.array(text.split(), float)
+        values = np.array(text.split(), float)
     except ValueError:
-        found = np.empty(0)
-    if len(found) != count or not np.isfinite(found).all():
+        values = np.empty(0)
+    if len(values) != count or not np.isfinite(values).all():
         raise refuse(name, f"{count} numbers are wanted; read {text!r}", "RESULT-170")
-    return found
+    return values
 
 
 def unit(direction: np.ndarray) -> np.ndarray:

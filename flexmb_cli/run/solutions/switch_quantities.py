@@ -33,12 +33,12 @@ class Instants:
     def _distances(self, block: Values, items: Sequence[Switch]) -> np.ndarray:
         """Return how far (rows, items) each quantity is beyond its value."""
         values = self.looked(block)
-        found = []
+        distances = []
         for item in items:
             place = self.quantities[item.name]
             index: tuple[Any, ...] = (slice(None), *place.index)
-            found.append((values[place.dataset][index] - item.value) * (1.0 if item.rising else -1.0))
-        return np.array(found).reshape(len(items), -1).T
+            distances.append((values[place.dataset][index] - item.value) * (1.0 if item.rising else -1.0))
+        return np.array(distances).reshape(len(items), -1).T
 
     def until_reached(
         self, block: dict[str, np.ndarray], waiting: Sequence[Switch], present: Mapping[str, Any]
@@ -69,13 +69,13 @@ class Instants:
             block = motion.moved_to(near, sorted({near.time, max(time, near.time)}))[1]
             return float(self._distances(block, [item])[-1, 0])
 
-        found = [
+        crossings = [
             (float(brentq(beyond, near.time, row, (item,), xtol=SAME_INSTANT * abs(row))), k)
             for k, item in enumerate(hit)
         ]
-        time = min(found)[0]
+        time = min(crossings)[0]
         block = motion.moved_to(near, sorted({near.time, max(time, near.time)}))[1]
-        return block, [hit[k] for instant, k in found if instant == time]
+        return block, [hit[k] for instant, k in crossings if instant == time]
 
 
 def without_outputs(layout: Layout) -> Layout:
@@ -97,7 +97,7 @@ def outputs_of(deck: Deck, layout: Layout) -> Any:
 
 def _quantities(switches: Sequence[Switch], deck: Deck, layout: Layout) -> dict[str, Quantity]:
     """Return the quantities of switches, by the names of these.  Raises ModelError."""
-    found, faults = {}, []
+    of_name, faults = {}, []
     with empty_result(deck, layout) as result:
         for item in switches:
             if not item.quantity:
@@ -113,7 +113,7 @@ def _quantities(switches: Sequence[Switch], deck: Deck, layout: Layout) -> dict[
             if others:
                 message = f"{item.quantity} is more than one number, {one.name} and others; name one"
                 faults.append(Fault("error", message, item.place, item.name, id="SOLVE-191"))
-            found[item.name] = one
+            of_name[item.name] = one
     if faults:
         raise ModelError(faults)
-    return found
+    return of_name

@@ -41,14 +41,14 @@ def whole_block(values: Values, own: Layout, layout: Layout) -> dict[str, np.nda
     axes, own_axes = ({axis.path: axis for axis in one.axes} for one in (layout, own))
     for series in layout.series:
         shape = tuple(len(axes[path].values) for path in series.axes)
-        found = values.get(series.path, np.zeros((rows, 0)))
-        if found.shape[1:] == shape:
-            whole[series.path] = np.array(found)
+        columns = values.get(series.path, np.zeros((rows, 0)))
+        if columns.shape[1:] == shape:
+            whole[series.path] = np.array(columns)
             continue
         padded = np.zeros((rows, *shape))
-        if found.size:
+        if columns.size:
             (_, names, _), (_, some, _) = (one[series.axes[0]].labels[0] for one in (axes, own_axes))
-            padded[:, [names.index(name) for name in some]] = found
+            padded[:, [names.index(name) for name in some]] = columns
         whole[series.path] = padded
     return whole
 

@@ -217,36 +217,36 @@ class SwitchedMotion:
         listed = ListedTimes(times[0], times[-1], grid.step, grid.place, tuple(times))
         order = [self.present[name] for name in self.parts if name in self.present]
         self._stage_model = with_parts(self.model, order)
-        found = self.solution_of(with_grid(self._stage_model, listed))
-        analysis: Any = found.analysis
+        solution = self.solution_of(with_grid(self._stage_model, listed))
+        analysis: Any = solution.analysis
         analysis.rest = stage.rest
         if stage.memory:
             analysis.continues = True
             remember(analysis, stage.memory)
-        return found
+        return solution
 
     def blocks(self, stage: Stage, times: Sequence[float]) -> Iterator[dict[str, np.ndarray]]:
         """Yield the values of a stage at `times`, with the parts that are off and sums that continue."""
-        found = self.solution_at(stage, times)
+        solution = self.solution_at(stage, times)
         stored, self._stored = self._stored, {}
         if stored:
-            found.analysis.restore(stored)
+            solution.analysis.restore(stored)
         else:
-            self._offsets, self._known = {}, len(found.warnings)
-        self.current = found
-        offsets, own_layout = self._offsets, with_closure_names(found.layout(), self._stage_model)
-        for values in found.blocks():
+            self._offsets, self._known = {}, len(solution.warnings)
+        self.current = solution
+        offsets, own_layout = self._offsets, with_closure_names(solution.layout(), self._stage_model)
+        for values in solution.blocks():
             whole = whole_block(values, own_layout, self.whole)
             if not offsets:
                 offsets.update(self._first_offsets(stage, whole))
             for path, offset in offsets.items():
                 whole[path] = whole[path] + offset
             yield whole
-        clock, own = getattr(self.first.analysis, "clock", None), getattr(found.analysis, "clock", None)
+        clock, own = getattr(self.first.analysis, "clock", None), getattr(solution.analysis, "clock", None)
         if clock is not None and own is not None:
             for name in COUNTED:
                 clock[name] += own[name]
-        new = [fault for fault in found.warnings[self._known :] if fault not in self.first.warnings]
+        new = [fault for fault in solution.warnings[self._known :] if fault not in self.first.warnings]
         self.first.warnings.extend(new)
 
     def _first_offsets(self, stage: Stage, whole: Values) -> dict[str, np.ndarray]:

@@ -120,15 +120,15 @@ class Verification:
     def largest(self) -> Difference | None:
         """The largest relative difference; None before anything was compared."""
         # What is no number is further apart than any.
-        sizes = np.nan_to_num([found.relative for found in self.differences], nan=np.inf)
+        sizes = np.nan_to_num([difference.relative for difference in self.differences], nan=np.inf)
         return self.differences[int(np.argmax(sizes))] if self.differences else None
 
     def as_dict(self) -> dict[str, Any]:
         """The record that `--json` prints."""
         names = ("unit", "difference", "scale", "relative", "time")
         rows = [
-            {"quantity": found.name} | {name: getattr(found, name) for name in names}
-            for found in self.differences
+            {"quantity": difference.name} | {name: getattr(difference, name) for name in names}
+            for difference in self.differences
         ]
         agree = bool(rows) and self.outcome.exit_code == 0
         record = {"formulations": self.formulations, "tolerance": self.tolerance, "agree": agree}

@@ -234,7 +234,7 @@ class ConstrainedMotion(ConstrainedState):
             q
         )
         self.work.angles[:] = integration.angles[NEW]
-        found = self.found = order_of_elimination(self, q, grid.start)
+        position = self.found = order_of_elimination(self, q, grid.start)
         integration.z[: q.size] = self._first = q
         # Rates that contradict others are refused here: what is left does repeat others.
         end = q.size + self.arrays.speeds
@@ -245,10 +245,10 @@ class ConstrainedMotion(ConstrainedState):
         end += len(self.arrays.signals.states) - first.size
         integration.z[end : end + first.size] = first
         refuse_coinciding_ends(self.system, self.work, chain(self.springs, self.elements.forces), grid.start)
-        if found.redundant:
-            self.warnings.append(repetition(found, self.usual_repetitions(q), *self.usual_words))
+        if position.redundant:
+            self.warnings.append(repetition(position, self.usual_repetitions(q), *self.usual_words))
         warn_of_fine_tables(self)
-        return found
+        return position
 
     def first_position(
         self, t: float, tolerance: float, start: np.ndarray, *, estimates: bool = False

@@ -53,8 +53,8 @@ def jump_of_table(motion: ConstrainedState, t: float) -> str:
 
 def _tables(system: "System") -> list[np.ndarray]:
     """The times of every table, s."""
-    found = [break_times(function, system.knots) for function in system.functions]
-    return [times for times in found if times.size]
+    of_functions = [break_times(function, system.knots) for function in system.functions]
+    return [times for times in of_functions if times.size]
 
 
 def warn_of_fine_tables(motion: ConstrainedState) -> None:

@@ -139,8 +139,8 @@ def general_forces(report: Report, first: int, joints: Sequence[GeneralJoint]) -
     force, torque = (np.zeros((len(report.times), len(joints), 3)) for _ in range(2))
     for k, joint in enumerate(joints):
         P_j = getattr(joint.P_j, "r0", joint.P_j)
-        force[:, k], found = _wrench(report, first + k, joint.i, joint.j, P_j)
-        torque[:, k] = found if joint.holds_turns else 0.0
+        force[:, k], moment = _wrench(report, first + k, joint.i, joint.j, P_j)
+        torque[:, k] = moment if joint.holds_turns else 0.0
     return {"general_force": force, "general_torque": torque}
 
 
@@ -171,10 +171,10 @@ def element_answers(report: Report, first: int, elements: JointElements) -> dict
     probes = np.arange(end - len(elements.curves), end)
     tracks = answers[:, probes]
     springs = answers.shape[1] - len(probes) - len(list(names_of(elements)))
-    found = np.delete(answers, probes, axis=1), np.delete(works, probes, axis=1)
+    without_probes = np.delete(answers, probes, axis=1), np.delete(works, probes, axis=1)
     return {
         **curve_motion(elements, tracks[..., COORDINATE], tracks[..., SPEED]),
-        **answers_of(elements, *found, report.signals, springs),
+        **answers_of(elements, *without_probes, report.signals, springs),
     }
 
 
@@ -189,15 +189,15 @@ def answers_of(
     order = [*range(springs), *(springs + place for _, place in parts)]
     motors = np.array(springs * [False] + [item.law in DRIVING for item, _ in parts], bool)
     # A force of none is 0, not -0.
-    found, works = answers[:, order] + 0.0, works[:, order] + 0.0
+    efforts, works = answers[:, order] + 0.0, works[:, order] + 0.0
     columns = {"coordinate": COORDINATE, "rate": SPEED, "effort": EFFORT, "power": POWER, "energy": ENERGY}
     return {
-        **{f"element_{name}": found[..., column].copy() for name, column in columns.items()},
+        **{f"element_{name}": efforts[..., column].copy() for name, column in columns.items()},
         "element_work": works,
         "signal_value": signals[:, [k for k, s in enumerate(elements.signals) if s.name]] + 0.0,
         # 0 - x, unlike -x, leaves no negative zeros.
         "dissipated": 0.0 - np.sum(works[:, ~motors], axis=1),
-        **_contacts(found[:, [springs + k for k, (item, _) in enumerate(parts) if item.law is CONTACT]]),
+        **_contacts(efforts[:, [springs + k for k, (item, _) in enumerate(parts) if item.law is CONTACT]]),
     }
 
 
@@ -218,15 +218,15 @@ def _in_order_of_deck(model: DynamicModel, arrays: DynamicArrays, report: Report
     mechanism, elements = model.mechanism, model.elements
     own = len(arrays.kinematic.constraints)
     others = report.wrenches[:, own:]
-    found = report.wrenches[:, :own]
+    wrenches = report.wrenches[:, :own]
     first = len(mechanism.joints)
     places = [(first + item.item, len(elements.driven) + k) for k, item in enumerate(elements.supports)]
     first += len(mechanism.simplified) + len(mechanism.distances)
     places += [(first + item.item, k) for k, item in enumerate(elements.driven)]
     for place, k in sorted(places):
         # The body of a function's equation is its body J, that of a driver or support its body I.
-        found = np.insert(found, place, others[:, k, ::-1], axis=1)
-    return found
+        wrenches = np.insert(wrenches, place, others[:, k, ::-1], axis=1)
+    return wrenches
 
 
 @dataclass(frozen=True)

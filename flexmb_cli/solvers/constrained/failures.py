@@ -208,11 +208,11 @@ def repetition(found: Mobility, usual: int | None, kind: str, each: str) -> Faul
 def note_undetermined_rows(analysis: ConstrainedState, report: Report) -> None:
     """Note the times of all rows so far, those of a report among them, that round-off rules."""
     times, warnings = analysis.undetermined, analysis.warnings
-    found = report.times[np.isnan(report.multipliers).any(axis=1)].tolist()
-    if not found:
+    undetermined = report.times[np.isnan(report.multipliers).any(axis=1)].tolist()
+    if not undetermined:
         return
     warnings[:] = [fault for fault in warnings if fault.id != UNDETERMINED]
-    times += found
+    times += undetermined
     shown = ", ".join(f"{t:.6g}" for t in times[:SHOWN_TIMES])
     others = f" s and {len(times) - SHOWN_TIMES} others" if len(times) > SHOWN_TIMES else " s"
     message = (

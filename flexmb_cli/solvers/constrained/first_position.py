@@ -41,9 +41,9 @@ def assemble(
         return q, None
     instant, rigid = Instant(gaps, t, arrays.angles), np.arange(arrays.speeds) < 6 * arrays.bodies
     sized = Sized(instant, gaps, q, arrays.bodies)
-    found = project(instant, q, SHORTEST, shortened, rigid)
-    if is_closed(found[1]) and sized.is_near(q, found[0]):
-        return found[0], None
+    nearest = project(instant, q, SHORTEST, shortened, rigid)
+    if is_closed(nearest[1]) and sized.is_near(q, nearest[0]):
+        return nearest[0], None
     loose = nearly_closed(gaps, instant, sized, q, rigid, near=True)
     is_loose = loose is not None and loose.size <= tolerance
     for columns in (rigid, np.ones_like(rigid))[: 0 if is_loose else 1 + (not rigid.all())]:
@@ -51,13 +51,13 @@ def assemble(
         # Far away there may be positions where loops that nearly close here close, but cannot move.
         if is_closed(tried[1]) and (loose is None or sized.is_near(q, tried[0], OTHER_ASSEMBLY)):
             return tried[0], None
-        found = min(found, tried, key=lambda one: largest(one[1]))
+        nearest = min(nearest, tried, key=lambda one: largest(one[1]))
     loose = loose or nearly_closed(gaps, instant, sized, q, rigid, near=False)
     if loose and loose.size <= tolerance:
         return loose.q, loose
     if loose:
         raise gap_error(gaps, loose, t, tolerance)
-    raise assembly_failure(gaps, found[1], t, estimates=(arrays.q, arrays.angles) if estimates else None)
+    raise assembly_failure(gaps, nearest[1], t, estimates=(arrays.q, arrays.angles) if estimates else None)
 
 
 def _closest(sized: Sized, instant: Instant, q: np.ndarray, columns: np.ndarray) -> Position:

@@ -54,9 +54,9 @@ class FlexibleDynamics(LinearisableMotion):
     def given_speeds(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the given speeds and their values: those of the deck, and no rate of deformation."""
         bodies = self.arrays.bodies
-        given, wanted = given_speeds(self.velocities, bodies, q)
+        given, speeds = given_speeds(self.velocities, bodies, q)
         modes = self.arrays.speeds - 6 * bodies
-        return np.append(given, np.ones(modes, bool)), np.append(wanted, np.zeros(modes))
+        return np.append(given, np.ones(modes, bool)), np.append(speeds, np.zeros(modes))
 
     @property
     def terms(self) -> Terms:

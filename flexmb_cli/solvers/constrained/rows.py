@@ -53,9 +53,9 @@ def dynamic_rows(model: DynamicModel, report: Report, place_of_work: int) -> Dyn
     audit = np.column_stack([report.audit[:, 3], report.audit[:, 4], np.zeros(times)])
     joints = report.joints[..., 0] + 0.0, report.joints[..., 1] + 0.0  # without negative zeros
     motion = rows_of(mechanism, report.times, states.reshape(times, 3, -1), audit, lambda rows: joints)
-    kept = {field.name: getattr(motion, field.name) for field in fields(Rows)}
+    of_motion = {field.name: getattr(motion, field.name) for field in fields(Rows)}
     return DynamicRows(
-        **kept,
+        **of_motion,
         **_forces(mechanism, report.wrenches, q[..., 3:]),
         kinetic=report.audit[:, 0].copy(),
         potential=report.audit[:, 1].copy(),

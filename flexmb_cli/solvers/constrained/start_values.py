@@ -60,9 +60,9 @@ def led_to_values(
 
 def _counted(gaps: PositionGaps, q: np.ndarray, expected: np.ndarray) -> np.ndarray:
     """Return the angles at q that are nearest to those expected, rad."""
-    found = expected.copy()
-    fill_angles(gaps.system, gaps.work, q, expected, found)
-    return found
+    counted = expected.copy()
+    fill_angles(gaps.system, gaps.work, q, expected, counted)
+    return counted
 
 
 def _unmet(

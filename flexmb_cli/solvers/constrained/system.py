@@ -47,9 +47,9 @@ def dense_jacobian(work: Work) -> np.ndarray:
     """Return the scaled Jacobian (m, n) on speeds that was evaluated last, as a matrix."""
     counts, columns = work.columns[:, 0], work.columns[:, 1:]
     rows, places = np.nonzero(np.arange(columns.shape[1]) < counts[:, None])
-    found = np.zeros((len(counts), len(work.motions)))
-    found[rows, columns[rows, places]] = work.jacobian[rows, places]
-    return found
+    J = np.zeros((len(counts), len(work.motions)))
+    J[rows, columns[rows, places]] = work.jacobian[rows, places]
+    return J
 
 
 def starts_sparse(arrays: SystemArrays) -> bool:

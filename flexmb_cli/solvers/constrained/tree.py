@@ -98,8 +98,8 @@ class AbsoluteTree(ConstrainedMotion):
 
     def given_speeds(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """All speeds are given, by the tree's."""
-        wanted = np.concatenate([self._speeds, *(rate for _, rate in self._elastic)])
-        return np.ones(wanted.size, bool), wanted
+        speeds = np.concatenate([self._speeds, *(rate for _, rate in self._elastic)])
+        return np.ones(speeds.size, bool), speeds
 
     def usual_repetitions(self, q: np.ndarray) -> int | None:
         """Closed directions across the plane of a planar tree; None of any other."""

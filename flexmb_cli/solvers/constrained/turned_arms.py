@@ -34,8 +34,7 @@ def arm_motion(
 
     def spin(v: np.ndarray) -> np.ndarray:
         first = cross_rows(theta, v)
-        found: np.ndarray = v + b * first + c * cross_rows(theta, first)
-        return found
+        return v + b * first + c * cross_rows(theta, first)
 
     swept = cross_rows(theta, rate)
     w = spin(rate)

@@ -49,19 +49,19 @@ def neighbouring_states(
         if (arrays.bodies_of.shape, arrays.constraints["kind"].tolist()) != like or arrays.screw_angles.size:
             raise ForkedEquations
     own, size = _Defects(analysis), states.shape[2]
-    found = {s: states.copy() for s in others}
+    of_step = {s: states.copy() for s in others}
     count = 1 if size > DENSE_LIMIT else max(1, LARGEST_BLOCK // size**2)
     for first in range(0, len(times), count):
         rows = slice(first, first + count)
         solve = own.solver(states[rows, 0], times[rows])
         derivatives = _derivatives(others, states[rows], times[rows], h, solve)
         for s, one in others.items():
-            found[s][rows] += s * h * derivatives
+            of_step[s][rows] += s * h * derivatives
             most = MOST_CORRECTIONS if closed else 1
-            corrected = _corrected(one, found[s][rows], times[rows], solve, most)
+            corrected = _corrected(one, of_step[s][rows], times[rows], solve, most)
             if closed:
-                found[s][rows] = corrected
-    return found
+                of_step[s][rows] = corrected
+    return of_step
 
 
 def _derivatives(

@@ -194,14 +194,14 @@ def linearised(
     Of the axes of `formulation` the first that make A constant are taken; where none do, the first.
     Raises AnalysisError at a singular position and where a motion has no inertia.
     """
-    found: list[tuple[LinearisedMotion, np.ndarray, bool]] = []
+    candidates: list[tuple[LinearisedMotion, np.ndarray, bool]] = []
     for axes in formulation.AXES:
         motion = formulation(analysis, axes)
         A = motion.first_order()
         if motion.is_constant(A):
             return motion, motion.with_states(A), True
-        found.append((motion, motion.with_states(A), False))
-    return found[0]
+        candidates.append((motion, motion.with_states(A), False))
+    return candidates[0]
 
 
 def modes(analysis: "ForwardDynamics", formulation: type = ConstrainedLinearised) -> Modes:

@@ -39,8 +39,7 @@ def differentiated(function: Callable[..., Any], h: float) -> Any:
 def sum_of_pairs(values: Callable[[float], np.ndarray]) -> np.ndarray:
     """Return the sum of weights and values at the places of STENCIL: 0 for values all alike."""
     pairs = [weight * (values(place) - values(-place)) for place, weight in STENCIL if place > 0.0]
-    found: np.ndarray = np.sum(pairs, axis=0)
-    return found
+    return np.sum(pairs, axis=0)
 
 
 def without_motions(x: np.ndarray, Z: np.ndarray, L: np.ndarray) -> np.ndarray:

@@ -29,8 +29,8 @@ def memory_of(analysis: Any) -> dict[str, np.ndarray]:
     """Return what an analysis keeps of the motion so far besides its state, by names."""
     if isinstance(analysis, TreeAnalysis):
         elements, lasting = analysis.arrays.elements, analysis.arrays.closures[_lasting(analysis)]
-        kept = (elements["turned"], elements["expected"], lasting["value"], lasting["parameter"])
-        return {name: values.copy() for name, values in zip(OF_TREES, kept, strict=True)}
+        arrays = (elements["turned"], elements["expected"], lasting["value"], lasting["parameter"])
+        return {name: values.copy() for name, values in zip(OF_TREES, arrays, strict=True)}
     return {"angles": analysis.integration.angles[EXPECTED].copy()}
 
 

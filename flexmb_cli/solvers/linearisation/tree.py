@@ -146,8 +146,7 @@ class TreeLinearised(LinearisedMotion):
         """Return the mass matrix (NS, NS) times columns x (NS, k) of speeds, at the state."""
         analysis, mass = self.analysis, np.zeros((len(x), len(x)))
         set_mass(self.arrays, analysis.work, analysis.coordinates, self.z, mass)
-        found: np.ndarray = (np.triu(mass) + np.triu(mass, 1).T) @ x
-        return found
+        return (np.triu(mass) + np.triu(mass, 1).T) @ x
 
     def near(self, state: np.ndarray, t: float) -> "TreeLinearised":
         """Return the same coordinates near a state, where it closes the loops."""
