@@ -16,8 +16,8 @@ import numpy as np
 
 from ..errors import Place
 from .general_joints import GeneralJoint, Switch
-from .joints import JOINT_TYPES, NODE_JOINT_TYPES
-from .laws import FRICTION, MOTOR, Element, Law, is_angle
+from .joints import ANGLES_OF_CROSS, JOINT_TYPES, NODE_JOINT_TYPES
+from .laws import FRICTION, MOTOR, At, Element, Law, is_angle
 from .mechanism import Vector
 from .signals import Signal
 from .time_functions import MotionFunction, values_at
@@ -35,7 +35,9 @@ LEAST_SINE = 1e-2  # sine of that between a curve and the vector across it
 BEYOND_END = 1e-9  # of a curve's length: farther beyond an end, the point has left the curve
 USUAL_EXPONENT = 10  # of two, of the largest factor of a coupling that is left as it is
 # The coordinates that the joints of each type have.
-COORDINATES_OF = {kind.name: kind.coordinates for kind in (*JOINT_TYPES, *NODE_JOINT_TYPES)}
+_TYPES = (*JOINT_TYPES, *NODE_JOINT_TYPES)
+COORDINATES_OF = {kind.name: kind.coordinates for kind in _TYPES}
+OF_ELEMENTS = {kind.name: (*kind.coordinates, *kind.turns) for kind in _TYPES}  # in which elements act
 
 
 class RollType(NamedTuple):
@@ -324,6 +326,15 @@ class JointElements:
     def first_values(self) -> dict[tuple[int, str], float]:
         """Return the values at the start that are given, by joint and coordinate."""
         return {(item.joint, item.coordinate): item.value for item in self.starts if item.value is not None}
+
+    @property
+    def on_crosses(self) -> list[Any]:
+        """Return the elements in angles of universal joints."""
+        moved: tuple[Any, ...] = (*self.drivers, *self.starts)
+        named: list[tuple[Any, Iterable[str]]] = [(item, [item.coordinate]) for item in moved]
+        named += [(item, [item.measure.coordinate]) for item in self.forces if isinstance(item.measure, At)]
+        named += [(item, [name for _, name, _ in item.terms]) for item in self.couplings]
+        return [item for item, names in named if set(names) & set(ANGLES_OF_CROSS)]
 
     @property
     def tracks(self) -> tuple[Roll | Curve, ...]:

@@ -13,6 +13,7 @@ from ..errors import Place
 from .mechanism import Joint
 
 ANGLE, STROKE = "angle", "stroke"
+ANGLES_OF_CROSS = ("angle1", "angle2")  # of a cross on body i about s_i, and of body j on it about s_j
 PITCH, DISTANCE_OF_POINTS = "pitch", "distance"
 
 # Equations: what they say, whether in m, and the vectors as typed by whose lengths the kernel divides them.
@@ -30,8 +31,9 @@ class JointType:
 
     `code`: what the kernels of kinematics switch on, 0 for joints between nodes only.  `points`: local points
     that decks give, in their order.  `parts`: its equations by name.  `coordinates`: the joint coordinates
-    that it leaves.  `size`: what the number is that belongs to it, "" for none.  `meets`: whether every point
-    of body i is where that of body j is at the start.
+    that it leaves, `turns` others in which elements act, which results do not have.  `size`: what the number
+    is that belongs to it, "" for none.  `meets`: whether every point of body i is where that of body j is at
+    the start.
     """
 
     name: str
@@ -40,6 +42,7 @@ class JointType:
     points: tuple[str, ...] = ()
     parts: tuple[Any, ...] = ()
     coordinates: tuple[str, ...] = ()
+    turns: tuple[str, ...] = ()
     size: str = ""
     meets: bool = True
 
@@ -57,11 +60,11 @@ _P, _Q, _H = ("P_i", "P_j"), ("Q_i", "Q_j"), ("H_i", "H_j")
 
 JOINT_TYPES = (
     JointType("spherical", 1, 3, _P, POINTS),
-    JointType("universal", 2, 4, _P + _Q, POINTS + RIGHT_ANGLE, meets=False),
+    JointType("universal", 2, 4, _P + _Q, POINTS + RIGHT_ANGLE, turns=ANGLES_OF_CROSS, meets=False),
     JointType("revolute", 3, 5, _P + _Q, POINTS + PARALLEL, (ANGLE,)),
     JointType("cylindrical", 4, 4, _P + _Q, PARALLEL + ON_AXIS, (ANGLE, STROKE)),
     JointType("translational", 5, 5, _P + _Q + _H, PARALLEL + ON_AXIS + NO_TURN, (STROKE,)),
-    JointType("screw", 6, 5, _P + _Q + _H, PARALLEL + ON_AXIS + THREAD, (ANGLE, STROKE), PITCH),
+    JointType("screw", 6, 5, _P + _Q + _H, PARALLEL + ON_AXIS + THREAD, (ANGLE, STROKE), size=PITCH),
 )
 
 # Joints between nodes, besides those: their equations stand in `model/arrays/node_joints.py`.

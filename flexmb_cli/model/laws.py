@@ -231,7 +231,7 @@ PARTS_ON_PLANES = {"capsule": 2, "cylinder": 2, "box": 8}
 
 def is_angle(coordinate: str) -> bool:
     """Return whether a coordinate of a joint or hinge is an angle rather than a length."""
-    return coordinate == ANGLE or coordinate.startswith("rotation")
+    return coordinate.startswith((ANGLE, "rotation"))
 
 
 class Law(NamedTuple):

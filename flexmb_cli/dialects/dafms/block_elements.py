@@ -1,5 +1,6 @@
 """Blocks ELEMENTS of FMBD.DAT: elements at hinges, between points and between nodes."""
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -143,7 +144,7 @@ class _Measures(Measures):
         hinge = self._hinge(line, number, int(count))
         if hinge is None:
             return None
-        if name in ("angle", "stroke"):
+        if not re.fullmatch("[rt][1-3]", name):
             message = f"hinges have the coordinates r1 to r3 and t1 to t3; {_free(hinge, count)}"
             return self.error(line, number, message, id="DAFMS-195")
         motion, axis = ROTATION if name[0] == "r" else TRANSLATION, int(name[1])

@@ -6,13 +6,13 @@ from typing import Any
 
 from ...deck.record import Number
 from ...model.diagnostics import Findings, no_such
-from ...model.joint_elements import COORDINATES_OF
-from ...model.joints import ANGLE
+from ...model.joint_elements import COORDINATES_OF, OF_ELEMENTS
+from ...model.joints import ANGLE, ANGLES_OF_CROSS
 from .line import ElementLine
 
-_A = {"angle": "an angle", "stroke": "a stroke"}
+_A = {"angle": "an angle", "stroke": "a stroke", **dict.fromkeys(ANGLES_OF_CROSS, "two angles")}
 # Joints whose parts turn about several axes: none of their angles is the angle of an element.
-_SEVERAL_ANGLES = {"universal": "two angles", "spherical": "three angles"}
+_SEVERAL_ANGLES = {"spherical": "three angles"}
 
 
 class Measures(ABC):
@@ -81,20 +81,23 @@ class JointMeasures(Measures):
         """Joint, from 0, and its coordinate."""
         count, _, coordinate = text.partition(".")
         if coordinate not in _A:
-            message = f"a joint has the coordinates angle and stroke, such as {count}.angle; read {text}"
+            message = (
+                f"a joint has the coordinates angle and stroke, a universal joint angle1 and angle2, such as "
+                f"{count}.angle; read {text}"
+            )
             self.error(line, number, message, id="ELEMENTS-046")
             return None
         joint = self._joint(line, number, int(count))
         if joint is None:
             return None
         kind = self.joints[joint].kind
-        if coordinate not in COORDINATES_OF[kind]:
+        if coordinate not in OF_ELEMENTS[kind]:
             self.error(line, number, self._lacks(joint, kind, coordinate), id="ELEMENTS-045")
             return None
         return joint, coordinate
 
     def _lacks(self, joint: int, kind: str, coordinate: str) -> str:
-        name, others = f"joint {joint + 1} ({self.joints[joint].name})", COORDINATES_OF[kind]
+        name, others = f"joint {joint + 1} ({self.joints[joint].name})", OF_ELEMENTS[kind]
         turning = "a joint that turns about one axis, such as revolute joints with bodies between them"
         if kind in _SEVERAL_ANGLES:
             return f"{name} turns by {_SEVERAL_ANGLES[kind]}, not by one; take {turning}"

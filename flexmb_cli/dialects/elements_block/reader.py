@@ -39,7 +39,7 @@ from .words import (
 
 MOST_NUMBERS_OF_BLOCKS = 200_000  # of the blocks of a deck; longer tables stand in files
 NAME = re.compile(r"[A-Za-z0-9_-]+")
-COORDINATES = re.compile(r"([0-9]{1,9})\.(angle|stroke|[rt][1-3])", re.IGNORECASE)
+COORDINATES = re.compile(r"([0-9]{1,9})\.(angle[12]?|stroke|[rt][1-3])", re.IGNORECASE)
 _SIGNAL = re.compile(r"[A-Za-z0-9_-]+(?:\.[A-Za-z0-9]+){0,2}")
 _NUMBER = re.compile(r"[-+]?\.?[0-9][0-9.eEdD+-]*")
 _END_AT_POINT = re.compile(r"([0-9]{1,9})(?:-([0-9]{1,9}))?\(([^()]*)\)")
@@ -471,7 +471,7 @@ class _Line:
 def is_turning(coordinate: str) -> bool:
     """Return whether the spelling of a coordinate names an angle."""
     kind = coordinate.rpartition(".")[2].lower()
-    return kind == "angle" or kind.startswith("r")
+    return kind.startswith(("angle", "r"))
 
 
 def nearest(word: str, known: Iterable[str], all_of_them: str) -> str:

@@ -98,7 +98,7 @@ def _element_pattern() -> re.Pattern[str]:
 
     ways = []
     for word in WORDS:
-        keys = [f"{key.name}=" for key in word.keys] or [r"[0-9]+\.(?:angle|stroke|[rt][1-3])="]
+        keys = [f"{key.name}=" for key in word.keys] or [r"[0-9]+\.(?:angle[12]?|stroke|[rt][1-3])="]
         kinds = [rf"{kind}\b" for kind in word.kinds]
         ways.append(rf"{word.word}(?:[ \t]+[\w-]+)?[ \t]+(?:{'|'.join([*kinds, *keys])})")
     return re.compile(rf"[ \t]*({'|'.join(ways)})")

@@ -112,7 +112,12 @@ class BlockWord(NamedTuple):
         return next((key for key in self.keys if key.name == name), None)
 
 
-AT = Key("at", "coordinate: joint.angle or joint.stroke, of trees hinge.r1 to hinge.t3", COORDINATE)
+AT = Key(
+    "at",
+    "coordinate: joint.angle or joint.stroke, of universal joints joint.angle1 and joint.angle2, of trees "
+    "hinge.r1 to hinge.t3",
+    COORDINATE,
+)
 FROM = Key("from", "first end: body(x,y,z) or body:node, body 0 being the ground", END)
 TO = Key("to", "second end: body(x,y,z) or body:node", END)
 JOINT = Key("joint", "number of the joint or hinge", WHOLE, needed=True)

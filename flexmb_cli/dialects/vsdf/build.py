@@ -14,6 +14,7 @@ from ...model.fe_model import End, Pin, VsdfBody, VsdfModel
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.integrators import METHODS, Integrator
 from ...model.joint_elements import JointElements
+from ...model.joints import ANGLES_OF_CROSS
 from ...model.mechanism import GROUND, TimeGrid
 from ...model.time_checks import MOST_ROWS, unsteppable
 from ..elements_block.build import BlockBuilder
@@ -197,7 +198,12 @@ def block_elements(
 ) -> JointElements:
     """The elements of the blocks; `parts`: bodies, ground and joints; faults go into `findings`."""
     builder = BlockBuilder(_Measures(*parts, findings), functions, RUN_START)
-    return builder.elements(lines, {"SUPPORT": lambda _builder, _line: None})
+    elements = builder.elements(lines, {"SUPPORT": lambda _builder, _line: None})
+    for item in (*elements.drivers, *elements.later):
+        if getattr(item, "coordinate", "") in ANGLES_OF_CROSS:
+            message = "VSDF decks drive no angle of a universal joint; drive one of two revolute joints"
+            findings.error(item.name, message, item.place, id="ELEMENTS-246")
+    return elements
 
 
 class _Measures(JointMeasures):

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..flexible_mechanism import NodePoint, PointJoint
 from ..joint_elements import COORDINATES_OF, JointElements, parts_by_name
-from ..joints import ANGLE, BY_NAME, PITCH, STROKE
+from ..joints import ANGLE, ANGLES_OF_CROSS, BY_NAME, PITCH, STROKE
 from ..laws import FRICTION, SPRING, Along, At, Cam, Element, Frames, Line, Push, Touch, is_angle
 from ..time_functions import SIGNAL, MotionFunction
 from .constraint_table import PrimitiveTable
@@ -56,7 +56,7 @@ class PointJoints:
     ):
         """`first`: the coordinates that do not begin with 0, by joint and name, rad or m."""
         self.table, self.joints, self.first = table, joints, first or {}
-        self._turning: dict[int, tuple[int, int, int]] = {}
+        self._turning: dict[tuple[int, str], tuple[int, int, int]] = {}
 
     def _vectors(self, joint: int) -> JointVectors:
         return JointVectors(self.table, self.joints[joint])
@@ -65,9 +65,12 @@ class PointJoints:
         """The primitive of a joint coordinate; `expected`: an angle at the start, where it is not 0."""
         if coordinate == STROKE:
             return self._vectors(joint).stroke()
-        if joint not in self._turning:  # a deck may have thousands of elements at one joint
-            self._turning[joint] = self._vectors(joint).turning()
-        return self.table.angle(*self._turning[joint], expected)
+        if (joint, coordinate) not in self._turning:  # a deck may have thousands of elements at one joint
+            vectors = self._vectors(joint)
+            of_cross = coordinate in ANGLES_OF_CROSS
+            turning = vectors.of_cross(coordinate) if of_cross else vectors.turning()
+            self._turning[joint, coordinate] = turning
+        return self.table.angle(*self._turning[joint, coordinate], expected)
 
     def start(self, joint: int, coordinate: str) -> float:
         """A coordinate at the start."""

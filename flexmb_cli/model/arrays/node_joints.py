@@ -11,6 +11,7 @@ import numpy as np
 
 from ...errors import Fault, ModelError
 from ..flexible_mechanism import FlexibleMechanism, FloatingBody, NodePoint, PointJoint
+from ..joints import ANGLES_OF_CROSS
 from ..time_functions import POLYNOMIAL, ROTATIONS, TRANSLATIONS, Motion, MotionFunction
 from .constraint_table import PrimitiveTable, tilde
 from .records import NONE
@@ -84,6 +85,21 @@ class JointVectors:
             table.between(self.a[0], self.a[2], tilde(s) @ B),
             table.between(self.b[0], self.b[2], self._off_axis(h) / np.linalg.norm(h)),
         )
+
+    def of_cross(self, coordinate: str) -> tuple[int, int, int]:
+        """F, G and H of an angle of a universal joint, which is 0 at t = 0.
+
+        Of the first F and G are of body a, across its axis, and H is the axis of body b.  Seen from body b,
+        the axis of body a turns back about its own: of the second F and G are of b, and H is that axis.
+        """
+        first = coordinate == ANGLES_OF_CROSS[0]
+        own, other, sign = (self.a, self.b, 1.0) if first else (self.b, self.a, -1.0)
+        s, A = self._unit(own), self.table.A(own[0].body)
+        f = A.T @ self.table.A(other[0].body) @ self._unit(other)
+        f -= (f @ s) * s
+        f /= np.linalg.norm(f)
+        g = sign * np.cross(s, f)
+        return self.table.direction(own[0], f), self.table.direction(own[0], g), self.body_vector_of(other)
 
     def _off_axis(self, h: np.ndarray) -> np.ndarray:
         """Return the projection (3, 3) that takes from h of body b its part along the joint's axis.

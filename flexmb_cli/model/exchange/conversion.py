@@ -58,6 +58,9 @@ class Conversion(ABC):
         for joint in elements.generals:
             message = "lines JOINT of this type are not converted; give the joint anew in the other deck"
             self.refusals.add(joint, message, id="SOLVE-184")
+        for item in elements.on_crosses:
+            message = "elements in angles of universal joints are not converted; give them anew"
+            self.refusals.add(item, message, id="SOLVE-215")
         for switch in elements.switches:
             message = "lines CATCH and RELEASE are not converted; give the other deck the parts of one stage"
             self.refusals.add(switch, message, id="SOLVE-213")

@@ -5,8 +5,7 @@ from typing import Any, NamedTuple
 
 from ...deck.units import Units
 from ..joint_elements import Coupling
-from ..joints import ANGLE
-from ..laws import OF_TIME, Cam, Element, Frames, Line, Parameter
+from ..laws import OF_TIME, Cam, Element, Frames, Line, Parameter, is_angle
 from ..time_functions import MotionFunction
 from .functions import transformed
 from .rigid_model import RigidModel, vector
@@ -37,7 +36,7 @@ def in_units(model: RigidModel, old: Units, new: Units) -> RigidModel:
         gravity=times(model.gravity),
         drivers=tuple(replace(d, function=times(d.function, d.direction <= 3)) for d in model.drivers),
         joint_drivers=tuple(
-            replace(d, function=times(d.function, d.coordinate != ANGLE)) for d in model.joint_drivers
+            replace(d, function=times(d.function, not is_angle(d.coordinate))) for d in model.joint_drivers
         ),
         elements=tuple(map(times.element, model.elements)),
         couplings=tuple(map(times.coupling, model.couplings)),
@@ -77,11 +76,11 @@ class _Scaling(NamedTuple):
     def coupling(self, item: Coupling) -> Coupling:
         """Return a coupling, whose factors are of angles and strokes."""
         terms = (
-            (joint, name, self(factor, 0 if name == ANGLE else -1)) for joint, name, factor in item.terms
+            (joint, name, self(factor, 0 if is_angle(name) else -1)) for joint, name, factor in item.terms
         )
         function = item.function and self._of_cam(item.function, item.terms[0][1], item.terms[-1][1])
         return replace(item, terms=tuple(terms), function=function)
 
     def _of_cam(self, function: MotionFunction, follower: str, cam: str) -> Any:
         """Return the function of a cam's coordinate that a follower's coordinate equals."""
-        return self(function, int(follower != ANGLE), stretch=int(cam != ANGLE))
+        return self(function, int(not is_angle(follower)), stretch=int(not is_angle(cam)))

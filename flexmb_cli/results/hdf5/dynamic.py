@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ...model.joint_elements import CompositeJoint
-from ...model.joints import ANGLE
+from ...model.laws import is_angle
 from ...model.loads import DynamicModel, holders
 from .kinematic import kinematic_layout, kinematic_values, readable_names
 from .layout import (
@@ -129,5 +129,5 @@ def _driver_names(model: DynamicModel) -> list[tuple[str, str]]:
     units = [FORCE if driver.direction <= 3 else TORQUE for driver in mechanism.drivers]
     own = list(zip(readable_names("driver", mechanism.drivers), units, strict=True))
     return own + [
-        (item.name, TORQUE if item.coordinate == ANGLE else FORCE) for item in model.elements.drivers
+        (item.name, TORQUE if is_angle(item.coordinate) else FORCE) for item in model.elements.drivers
     ]

@@ -18,7 +18,8 @@ from ...kernels.constrained.system import GAMMA, NO_INERTIA
 from ...model.arrays.system import SystemArrays
 from ...model.by_size import by_size
 from ...model.joint_elements import JointStart
-from ...model.joints import ANGLE, DEPENDENT, Equation
+from ...model.joints import ANGLES_OF_CROSS, DEPENDENT, Equation
+from ...model.laws import is_angle
 from ...model.loads import InitialVelocity
 from ...model.mechanism import Joint
 from ...model.vectors import rotation_matrix
@@ -83,20 +84,21 @@ def rate_equations(
 ) -> tuple[np.ndarray, np.ndarray, tuple[Equation, ...]]:
     """Rows (r, n) on speeds, right-hand sides (r,) and names of the joint rates that a deck gives at q.
 
-    For axes in line: the rate of the angle is s · (ω_j - ω_i), that of the stroke s · (v_Pj - v_Pi).
+    For axes in line, or at right angles: the rate of an angle is s · (ω_j - ω_i), that of the stroke
+    s · (v_Pj - v_Pi).
     """
     rates = [item for item in starts if item.rate is not None]
     rows = np.zeros((len(rates), speeds))
     for row, item in zip(rows, rates, strict=True):
         joint = joints[item.joint]
-        s_i = np.array(joint.s_i) / math.hypot(*joint.s_i)
         A_i, A_j = (_attitude(q, body) for body in (joint.i, joint.j))
-        s = _times(A_i, s_i)
+        A, own = (A_j, joint.s_j) if item.coordinate == ANGLES_OF_CROSS[1] else (A_i, joint.s_i)
+        s = _times(A, np.array(own) / math.hypot(*own))
         for body, A, P, sign in ((joint.i, A_i, joint.P_i, -1.0), (joint.j, A_j, joint.P_j, 1.0)):
             if body < 0:
                 continue
             along, at = _times(A.T, s), 6 * body
-            if item.coordinate == ANGLE:
+            if is_angle(item.coordinate):
                 row[at + 3 : at + 6] += sign * along
             else:
                 row[at : at + 3] += sign * s
