@@ -10,7 +10,7 @@ from ...model.joint_elements import COORDINATES_OF, OF_ELEMENTS
 from ...model.joints import ANGLE, ANGLES_OF_CROSS
 from .line import ElementLine
 
-_A = {"angle": "an angle", "stroke": "a stroke", **dict.fromkeys(ANGLES_OF_CROSS, "two angles")}
+_A = {"angle": "an angle", "stroke": "a stroke"}
 # Joints whose parts turn about several axes: none of their angles is the angle of an element.
 _SEVERAL_ANGLES = {"spherical": "three angles"}
 
@@ -99,6 +99,9 @@ class JointMeasures(Measures):
     def _lacks(self, joint: int, kind: str, coordinate: str) -> str:
         name, others = f"joint {joint + 1} ({self.joints[joint].name})", OF_ELEMENTS[kind]
         turning = "a joint that turns about one axis, such as revolute joints with bodies between them"
+        if ANGLES_OF_CROSS[0] in others:
+            first, second = (f"{joint + 1}.{one}" for one in ANGLES_OF_CROSS)
+            return f"{name} turns by two angles, {first} and {second}; take one of them"
         if kind in _SEVERAL_ANGLES:
             return f"{name} turns by {_SEVERAL_ANGLES[kind]}, not by one; take {turning}"
         if not others:

@@ -274,6 +274,6 @@ def test_element_on_a_universal_joint_is_refused_for_its_two_angles(card):
     deck = re.sub("STOP tstop-1 .*", card, deck)
     deck = read_deck(decode("test.dat", deck.encode()))
     with pytest.raises(
-        (DeckError, ModelError), match=r"\(universal joint 1\) turns by two angles, not by one"
+        (DeckError, ModelError), match=r"\(universal joint 1\) turns by two angles, 1.angle1 and 1.angle2"
     ):
         build_young_dynamics(deck)

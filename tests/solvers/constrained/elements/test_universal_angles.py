@@ -18,8 +18,8 @@ from flexmb_cli.run.outcome import RunOptions
 
 YOUNG = (
     "2 0 0 0 1 0 0 0 0 0 0 1\n0 0 0 1 0 0 0\n0 0 0 1 0 0 0\n1 2 0 0 0 0 0 0 1 0 0 0 1 0\n"
-    "1 0 0 0 0 0 0\n0 1 0.05\nDYNAMICS forward\nMASS 2 1.5 0 0 -0.4 0.2 0.3 0.1\nGRAVITY 0 0 -9.81\n{card}ELEMENTS\n"
-    "{lines}END\n"
+    "1 0 0 0 0 0 0\n0 1 0.05\nDYNAMICS forward\nMASS 2 1.5 0 0 -0.4 0.2 0.3 0.1\nGRAVITY 0 0 -9.81\n{card}"
+    "ELEMENTS\n{lines}END\n"
 )
 VSDF = (
     "VSDF CROSS\nBODY\n 1,RIGD\nRIGI\n 1,1.5,0,0,-0.4\n 0.2,0.3,0.1,0,0,0\nNODE\n 0,1,0,0,0\n"
