@@ -80,7 +80,7 @@ class JointMeasures(Measures):
     def named(self, line: ElementLine, number: Number, text: str) -> tuple[int, str] | None:
         """Joint, from 0, and its coordinate."""
         count, _, coordinate = text.partition(".")
-        if coordinate not in _A:
+        if coordinate not in (*_A, *ANGLES_OF_CROSS):
             message = (
                 f"a joint has the coordinates angle and stroke, a universal joint angle1 and angle2, such as "
                 f"{count}.angle; read {text}"
@@ -109,7 +109,8 @@ class JointMeasures(Measures):
                 f"{name} has neither an angle nor a stroke of its own; take a joint that turns about one "
                 "axis, or slides along one"
             )
-        return f"{name} has {_A[others[0]]}, not {_A[coordinate]}; take {joint + 1}.{others[0]}"
+        asked = _A.get(coordinate, "two angles")
+        return f"{name} has {_A[others[0]]}, not {asked}; take {joint + 1}.{others[0]}"
 
     def _joint(self, line: ElementLine, number: Number, count: int) -> int | None:
         if not 1 <= count <= len(self.joints):

@@ -145,6 +145,13 @@ def test_other_coordinates_are_refused(tmp_path, line, fault):
         assert "1.angle1" in next(each["message"] for each in faults if each["id"] == fault)
 
 
+def test_a_revolute_joint_has_no_two_angles(tmp_path):
+    text = young("  SPRING a at=1.angle2 stiffness=1 rest=0\n").replace("2 0 0 0 1 0", "2 0 0 0 0 1")
+    (tmp_path / "INU").write_text(text.replace("0 0 1 0\n1 0 0 0 0", "1 0 0 1\n1 0 0 0 0"))
+    done = CliRunner().invoke(cli, ["check", str(tmp_path / "INU")])
+    assert "has an angle, not two angles; take 1.angle" in " ".join(done.stderr.split())
+
+
 def test_vsdf_decks_drive_no_angle_of_a_universal_joint(tmp_path):
     lines = "  FUNCTION a polynomial 0.4\n  DRIVE one at=1.angle1 value=a\n"
     (tmp_path / "u.vsdf").write_text(VSDF.replace("{lines}", lines))
