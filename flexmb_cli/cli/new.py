@@ -205,6 +205,8 @@ class _Talk:
         if self.at_terminal:
             for fault in faults:
                 click.echo(f"  {fault.severity}: {fault.sentence}", err=True)
+            if faults and not any(fault.severity == "error" for fault in faults):
+                click.echo("  (< leads back to this record)", err=True)
             return
         if faults:
             placed = [self._in_pipe(fault, question) for fault in faults]

@@ -41,12 +41,14 @@ def named(record: Record, separator: str = " ") -> Line:
 class Form(ABC):
     """Questions of a dialect; file names are relative to `folder`, `cards`: whether to ask for all cards.
 
-    `early`: keys whose errors do not depend on later numbers of their record.
+    `early`: keys whose errors do not depend on later numbers of their record.  `of_whole`: identifiers of
+    notes that say something only of a complete deck.
     """
 
     dialect = ""
     has_cards = False
     early: frozenset[str] = frozenset()
+    of_whole: frozenset[str] = frozenset()
 
     def __init__(self, folder: Path = Path(), cards: bool = False):
         self.folder, self.cards = folder, cards
@@ -76,7 +78,7 @@ class Form(ABC):
         except FlexmbError as failure:
             faults_there = failure.faults
         for fault in faults_there:
-            if (name := name_at(lines, fault.place)) and fault.severity != "note":
+            if fault.id not in self.of_whole and (name := name_at(lines, fault.place)):
                 yield name, fault
 
 

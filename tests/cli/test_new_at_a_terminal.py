@@ -53,9 +53,13 @@ class Terminal:
         self.expect("> ")
         self.type(f"{line}\n")
 
-    def exit_code(self):
+    def exit_code(self, closed=False):
+        """Wait for the end; `closed`: after the terminal was closed."""
+        if closed:
+            os.close(self.descriptor)
         code = os.waitstatus_to_exitcode(os.waitpid(self.pid, 0)[1])
-        os.close(self.descriptor)
+        if not closed:
+            os.close(self.descriptor)
         return code
 
 
@@ -114,6 +118,40 @@ def test_ctrl_c_ctrl_d_and_a_mark_keep_a_draft_and_the_next_call_goes_on(tmp_pat
     assert done.returncode == 0
     assert "continuing with 20 answers" in done.stderr
     assert numbers_of(tmp_path / "IN-NEW.dat") == numbers_of(FOUR_BAR)
+
+
+def test_a_closed_terminal_keeps_the_draft_and_the_next_call_goes_on(tmp_path):
+    """Closing the pseudo-terminal sends SIGHUP, as a window does; nothing can be printed then."""
+    terminal = Terminal("young", cwd=tmp_path)
+    title, counts, body, *rest = answers()
+    terminal.say("text", title)
+    terminal.say("NBODY", counts)
+    terminal.say("x y z", body)
+    terminal.expect("body 2")
+    terminal.expect("> ")
+    assert terminal.exit_code(closed=True) in (1, 143)  # the end of input and the signal come at once
+    assert len(json.loads((tmp_path / "IN-NEW.dat.draft").read_text())["answers"]) == 1 + 12 + 7
+    done = piped("--draft", lines=rest, cwd=tmp_path)
+    assert done.returncode == 0 and "continuing with 20 answers" in done.stderr
+    assert numbers_of(tmp_path / "IN-NEW.dat") == numbers_of(FOUR_BAR)
+
+
+def test_a_note_comes_while_its_record_can_be_changed(tmp_path):
+    """A driver that starts at 30: beyond a turn, and likely meant in degrees; the way back leads to it."""
+    terminal = Terminal("young", cwd=tmp_path)
+    for line in answers()[:6]:
+        terminal.say(": ", line)
+    terminal.expect("driver 1")
+    terminal.say("body", "1 4 30 3.14159265 0")
+    terminal.expect("note: ")
+    terminal.expect("(< leads back to this record)")
+    terminal.expect("point of interest 1")
+    terminal.expect("> ")
+    terminal.type("< driver.1\n")
+    terminal.expect("driver 1")
+    terminal.expect("> ")
+    terminal.type("!\n")
+    assert terminal.exit_code() == 1
 
 
 def test_what_cannot_be_assembled_is_asked_for_again(tmp_path):

@@ -42,6 +42,7 @@ class YoungForm(Form):
     dialect = "young"
     has_cards = True
     early = frozenset(("body", "I", "J", "direction"))
+    of_whole = frozenset(("YOUNG-025", "YOUNG-026", "YOUNG-082"))  # on numbers of equations
 
     def entries(self, values: Mapping[str, str]) -> Entries:
         """Title, analysis where cards are requested, counts, the records that these announce, cards."""
