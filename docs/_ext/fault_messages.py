@@ -13,7 +13,7 @@ from fault_words import words
 PAGE = TOP / "docs" / "reference" / "messages.md"
 # Identifiers of faults that are no longer reported, and what took their place; none is given again.
 RETIRED = {
-    "DAFMS-076": "DECK-066", "YOUNG-155": "DECK-066",
+    "CLI-112": "", "SOLVE-231": "", "DAFMS-076": "DECK-066", "YOUNG-155": "DECK-066",
     "DAFMS-184": "DAFMS-173", "SOLVE-004": "SOLVE-042", "VSDF-177": "", "VSDF-178": "",
     "DECK-015": "", "DECK-017": "",
     "FE-014": "FE-252", "FE-017": "FE-199", "FE-107": "FE-253", "FE-132": "FE-139",

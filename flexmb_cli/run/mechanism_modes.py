@@ -144,7 +144,7 @@ def kernels_for(
 
 
 def _check_lines(elements: JointElements, wish: Wish) -> None:
-    """Refuse what signals do not have: a linear law if they are sampled, and inputs of a state space.
+    """Refuse what signals do not have: a linear law if they are sampled, and an equilibrium of their states.
 
     Discs and spheres that roll have more positions than motions, which no equations of vibrations are for.
     """
@@ -157,16 +157,12 @@ def _check_lines(elements: JointElements, wish: Wish) -> None:
         if signal.kind == SAMPLE_SIGNAL:
             message = "is sampled: motion between samples has no modes; leave out period= to linearise"
             faults.append(Fault("error", message, signal.place, signal.name, id="RUN-140"))
-        elif signal.states and (wish.equilibrium or wish.out is not None):
+        elif signal.states and wish.equilibrium:
             message = (
-                "has states of its own, which an equilibrium and a state space do not include; take --at and "
-                "a time at which the motion is at rest"
+                "has states of its own, which an equilibrium does not include; take --at and a time at which "
+                "the motion is at rest"
             )
             faults.append(Fault("error", message, signal.place, signal.name, id="RUN-141"))
-    for item in elements.forces:
-        if item.sticks and wish.out is not None:
-            message = "sticks by bristles, whose states a state space does not include; leave out bristle="
-            faults.append(Fault("error", message, item.place, item.name, id="SOLVE-231"))
     if faults:
         raise ModelError(faults)
 
@@ -190,8 +186,7 @@ def _linearised(
         find_equilibrium(analysis, motion_type)
     motion, A, constant = linearised(analysis, motion_type)
     f, space = motion.dofs, None
-    # That of --json is left out where it would lack states.
-    if (wish.state_space or wish.out is not None) and not motion.signals.states.size:
+    if wish.state_space or wish.out is not None:
         space = state_space(responses(motion), responses(motion.soon(A[: 2 * f, : 2 * f])), signals(motion))
     return motion, modes_of(motion, A, constant), space
 

@@ -22,9 +22,6 @@ def response_of(space: Any, names: tuple[str, str], ends: tuple[float, float] | 
     """
     from ...solvers.linearisation.frequency_response import Response, frequency_response, sampled_frequencies
 
-    if space is None:
-        message = "--response: signals with states of their own are not in the state space, so it has none"
-        raise WrongCall(message, id="CLI-112")
     number, output = (_named(what, getattr(space, f"{what}s"), name)
                       for what, name in zip(("input", "output"), names, strict=True))  # fmt: skip
     speeds = np.abs(np.linalg.eigvals(space.A)) / (2.0 * np.pi)

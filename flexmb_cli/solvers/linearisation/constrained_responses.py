@@ -39,6 +39,7 @@ class ConstrainedResponses(Responses):
     def __init__(self, motion: ConstrainedLinearised):
         self.motion, self.analysis = motion, motion.analysis
         self.terms: Terms = self.analysis.terms
+        self.signals, self.shift = self.analysis.elements.signals, 0.0 * motion.states
         self.rotations = [rotation_matrix(p) for p in self._poses(motion.q)[:, 3:]]
         self.relative = [
             Signal(f"{name} {what} {axis}", unit)
@@ -66,7 +67,7 @@ class ConstrainedResponses(Responses):
         """Return u' (n,) and then the observed outputs where d, w and the model are changed."""
         motion, analysis = self.motion, self.analysis
         report = blank_report(analysis.arrays, np.array([motion.t]))
-        report.states[0, :-1] = np.concatenate(motion.changed(d, w))
+        report.states[0, :-1] = np.concatenate([*motion.changed(d, w), motion.states + self.shift])
         expected = analysis.integration.angles[EXPECTED][None].copy()
         system, work = model or motion.system, analysis.work
         # A kernel writes a row for every load, and a model may have one more.

@@ -1,11 +1,11 @@
 """State space of a linearised motion: x' = A x + B u, y = C x + D u.
 
-The states are the deviations of the independent coordinates and of their speeds, the inputs those of
-drivers and loads, the outputs those of points, joints and drivers.
+The states are the deviations of the independent coordinates, of their speeds, and of the states of bristles
+and signals, the inputs those of drivers and loads, the outputs those of points, joints, drivers and signals.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -68,11 +68,13 @@ class Responses(ABC):
     motion: LinearisedMotion
     inputs: list[Input]
     observed: list[Signal]  # what `respond` returns
+    signals: Sequence[Any]  # `model.signals.Signal` of the deck
+    shift: np.ndarray  # (s,) change of the states of bristles and signals
     relative: list[Signal]  # relative displacements, rows of `displacements`
 
     @abstractmethod
     def respond(self, d: np.ndarray, w: np.ndarray, model: Any = None) -> np.ndarray:
-        """Return u' (n,) and then the observed outputs where d, w and the model are changed."""
+        """Return u' (n,) and then the observed outputs where d, w, the shift and the model are changed."""
 
     @abstractmethod
     def displacements(self) -> tuple[np.ndarray, np.ndarray]:
@@ -94,31 +96,55 @@ class Responses(ABC):
     def outputs(self) -> tuple[Signal, ...]:
         """Return the signals of all outputs: relative displacements, their rates, what is observed."""
         rates = [Signal(f"{s.name} rate", SPEED_OF[s.unit]) for s in self.relative]
-        return (*self.relative, *rates, *self.observed)
+        named = [Signal(signal.name, signal.unit) for signal in self.signals if signal.name]
+        return (*self.relative, *rates, *self.observed, *named)
+
+    @property
+    def states_of_signals(self) -> tuple[Signal, ...]:
+        """Return the signals of the states of bristles, and of those of signals."""
+        own = [f"{signal.name} state {k + 1}" for signal in self.signals for k in range(signal.states)]
+        bristles = [f"bristle {k + 1}" for k in range(self.motion.signals.states.size - len(own))]
+        return tuple(Signal(name, "1") for name in (*bristles, *own))
+
+    def respond_with_signals(self, d: np.ndarray, w: np.ndarray, model: Any = None) -> np.ndarray:
+        """Return what `respond` does, values of named signals, and the rates (s,) of their states."""
+        response, arrays = self.respond(d, w, model), self.motion.signals
+        values = [arrays.values[k, 0] for k, signal in enumerate(self.signals) if signal.name]
+        return np.concatenate([response, values, arrays.rates])
+
+    def respond_to_state(self, change: np.ndarray) -> np.ndarray:
+        """Return the same where the states of bristles and signals are changed (s,)."""
+        still = np.zeros(self.motion.scale.size)
+        self.shift = change
+        response = self.respond_with_signals(still, still)
+        self.shift = 0.0 * change
+        return response
 
     def column(self, d: np.ndarray, w: np.ndarray, response: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the columns of A or B (2 f,) and of C or D (p,) of one change with its response."""
+        """Return the columns of A or B (2 f + s,) and of C or D (p,) of one change with its response."""
         motion, n = self.motion, self.motion.scale.size
         P, P_rate = self.displacements()
         speeds = P_rate @ d - P @ motion.turned(d) + P @ w
         y_rates = motion.position_rates(d) + motion.L @ w
-        rates = np.concatenate([y_rates, motion.speed_rates(w, response[:n])])
-        return rates, np.concatenate([P @ d, speeds, response[n:]])
+        end = response.size - motion.signals.states.size
+        rates = np.concatenate([y_rates, motion.speed_rates(w, response[:n]), response[end:]])
+        return rates, np.concatenate([P @ d, speeds, response[n:end]])
 
 
 def matrices(responses: Responses) -> list[np.ndarray]:
-    """Return A (2 f, 2 f), B (2 f, inputs), C (outputs, 2 f) and D (outputs, inputs).
+    """Return A (n, n), B (n, inputs), C (outputs, n) and D (outputs, inputs), n = 2 f + s.
 
     They are in the units of the signals.
     """
     motion, p = responses.motion, len(responses.outputs)
     units = np.tile(motion.units, 2)
     state = [
-        responses.column(d / unit, w / unit, motion.variation(responses.respond, d, w) / unit)
+        responses.column(d / unit, w / unit, motion.variation(responses.respond_with_signals, d, w) / unit)
         for unit, (d, w) in zip(units, motion.tangents(), strict=True)
     ]
+    state += [_of_state(responses, one) for one in np.eye(motion.signals.states.size)]
     inputs = [responses.column(one.d, one.w, _response(responses, one)) for one in responses.inputs]
-    n = 2 * motion.dofs
+    n = 2 * motion.dofs + motion.signals.states.size
     A, C = (_columns([column[k] for column in state], rows) for k, rows in ((0, n), (1, p)))
     B, D = (_columns([column[k] for column in inputs], rows) for k, rows in ((0, n), (1, p)))
     return [A, B, C, D]
@@ -128,9 +154,16 @@ def _columns(columns: list[np.ndarray], rows: int) -> np.ndarray:
     return np.column_stack(columns) if columns else np.zeros((rows, 0))
 
 
+def _of_state(responses: Responses, one: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the columns of A and C of a state of bristles or signals."""
+    still = np.zeros(responses.motion.scale.size)
+    response = differentiated(lambda amount: responses.respond_to_state(amount * one), DIFFERENCE_STEP)
+    return responses.column(still, still, response)
+
+
 def _response(responses: Responses, one: Input) -> np.ndarray:
     def answer(amount: float) -> np.ndarray:
-        return responses.respond(amount * one.d, amount * one.w, one.change(amount))
+        return responses.respond_with_signals(amount * one.d, amount * one.w, one.change(amount))
 
     return differentiated(answer, one.step)
 
@@ -144,6 +177,7 @@ def state_space(responses: Responses, later: Responses, states: tuple[Signal, ..
         for name, a, b in zip(MATRICES, here, there, strict=True)
     }
     inputs = tuple(one.signal for one in responses.inputs)
+    states = (*states, *responses.states_of_signals)
     return StateSpace(A, B, C, D, states, inputs, responses.outputs, responses.motion.axes, constant)
 
 

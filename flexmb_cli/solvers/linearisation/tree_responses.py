@@ -28,6 +28,7 @@ class TreeResponses(Responses):
         self.motion, self.analysis = motion, motion.analysis
         self.tree, self.arrays = self.analysis.tree, motion.arrays
         self.n = motion.scale.size
+        self.signals, self.shift = self.tree.elements.signals, 0.0 * motion.signals.states
         self.relative = [Signal(c.name, _unit(c)) for c in self.tree.coordinates if c.motion != ELASTIC]
         self._axes = self._point_axes()
         prescribed = self.arrays.prescribed["coordinate"][: len(self.tree.prescribed)]
@@ -76,7 +77,7 @@ class TreeResponses(Responses):
     def respond(self, d: np.ndarray, w: np.ndarray, model: TreeArrays | None = None) -> np.ndarray:
         """Return u' (n,) and then the observed outputs where d, w and the arrays are changed."""
         arrays = model or self.arrays
-        z = self.motion.changed(d, w)
+        z = self.motion.changed(d, w) + (self.motion.state_with(self.shift) - self.motion.z)
         rows = self._rows(z, arrays)
         motion = point_motion(self.tree, rows)
         moving = [(k, axes) for k, axes in enumerate(self._axes) if axes is not None]

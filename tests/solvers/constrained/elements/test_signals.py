@@ -93,24 +93,63 @@ def test_a_pid_turns_a_rotor_to_its_set_point(method):
 EIGENVALUES = (-4.03507115688, -3.23246442156 - 10.6519822501j, -3.23246442156 + 10.6519822501j)
 
 
-@pytest.mark.parametrize("dialect", ["young", "dafms"])
-def test_modes_have_the_states_of_controllers(dialect, tmp_path):
-    """Eigenvalues of the same problem: roots of the characteristic polynomial of the closed loop, 1e-8."""
-    lines = PID.replace("ANGLE", "1.r3" if dialect == "dafms" else "1.angle").replace(
-        "  SIGNAL i integral of=error\n", ""
-    )
+def rotor_modes(dialect, folder, lines):
+    """Linearised motion of the rotor with the lines of a block."""
+    lines = lines.replace("ANGLE", "1.r3" if dialect == "dafms" else "1.angle")
     if dialect == "young":
         cards = f"MASS 2 1 0 0 0 0.1 0.1 0.02\nGRAVITY 0 0 0\nELEMENTS\n{lines}"
         text = f"{ROTOR}0 3 0.05\nDYNAMICS forward\n{cards}\nEND\n"
     else:
         text = f"{dafms_rotor(0.02, 3.0, 0.05)}ELEMENTS\n{lines}\nEND \nSTAR\nSTOP\n"
-    path = tmp_path / "rotor.dat"
+    path = folder / "rotor.dat"
     path.write_text(text)
-    report = modes_of_deck(str(path), Wish(), RunOptions(), Listener())
-    found = report.mechanism.modes
+    return modes_of_deck(str(path), Wish(state_space=True), RunOptions(), Listener()).mechanism
+
+
+@pytest.mark.parametrize("dialect", ["young", "dafms"])
+def test_modes_have_the_states_of_controllers(dialect, tmp_path):
+    """Eigenvalues of the same problem: roots of the characteristic polynomial of the closed loop, 1e-8."""
+    found = rotor_modes(dialect, tmp_path, PID.replace("  SIGNAL i integral of=error\n", "")).modes
     assert found.degrees_of_freedom == 1
     known = sorted(found.eigenvalues, key=lambda value: value.imag)
     assert known == pytest.approx(sorted(EIGENVALUES, key=lambda value: value.imag), abs=1e-8)
+
+
+@pytest.mark.parametrize("dialect", ["young", "dafms"])
+def test_the_state_space_has_the_states_of_controllers_and_blocks(dialect, tmp_path):
+    """From a torque M to the error, the torque of the PID and a block 5/(0.3 s + 1) of it, in closed form.
+
+    The angle is M s / (J s³ + (d + kd) s² + kp s + ki).
+    """
+    lag = "\n  SIGNAL y transfer of=u numerator=5 denominator=(0.3,1)"
+    space = rotor_modes(dialect, tmp_path, PID + lag).space
+    assert [state.name for state in space.states[2:]] == ["i state 1", "u state 1", "y state 1"]
+    number = [one.name for one in space.inputs].index("load effort")
+    outputs = [[one.name for one in space.outputs].index(name) for name in ("error", "u", "y")]
+    for w in (0.3, 3.0, 12.0, 80.0):
+        s = 1j * w
+        angle = s / (0.02 * s**3 + 0.21 * s**2 + 3.0 * s + 10.0)
+        control = -angle * (3.0 + 10.0 / s + 0.2 * s)
+        inside = np.linalg.solve(s * np.eye(5) - space.A, space.B[:, number])
+        found = (space.C @ inside + space.D[:, number])[outputs]
+        assert found == pytest.approx([-angle, control, control * 5.0 / (0.3 * s + 1.0)], abs=1e-8)
+
+
+@pytest.mark.parametrize("dialect", ["young", "dafms"])
+def test_modes_of_a_bearing_that_sticks_have_its_bristles_as_springs(dialect, tmp_path):
+    """J s² + N r² (s1 s + s0) = 0 about standstill, and 0 for the place at which it sticks."""
+    found = rotor_modes(
+        dialect,
+        tmp_path,
+        "  FRICTION f joint=1 dynamic=0.2 static=0.3 stribeck=0.1 radius=0.05 preload=8\n"
+        "    bristle=2e3 bristle_damping=12",
+    )
+    normal = (
+        8.0 if dialect == "young" else 8.0 + 9.81
+    )  # the DAFMS rotor of 1 kg has its weight across the axis
+    roots = [0.0, 0.0, *np.roots([0.02, normal * 0.05**2 * 12.0, normal * 0.05**2 * 2e3])]
+    known = sorted(np.linalg.eigvals(found.space.A), key=lambda value: (value.imag, value.real))
+    assert known == pytest.approx(sorted(roots, key=lambda value: (value.imag, value.real)), abs=1e-6)
 
 
 def sampled_rotor(kp, delay, steps, J=0.05, damping=0.1, period=0.05):
