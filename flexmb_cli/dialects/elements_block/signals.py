@@ -34,6 +34,17 @@ from .words import SIGNAL_KEYS
 
 _TIME = MotionFunction(POLYNOMIAL, (0.0, 1.0, 0.0, 0.0))
 _COLUMNS = ("coordinate", "rate", "effort")
+# What ends names of quantities that are no inputs, and what to measure in its place.
+_FROM_FORCES = (
+    "accelerations and reactions follow from forces that signals drive, an algebraic loop; measure a rate or "
+    "the effort of a stiff SPRING in the place of the joint"
+)
+_AFTER_RUN = (
+    "stresses and strains are computed after the run; measure the distance of two nodes, as a strain gauge "
+    "does: SIGNAL name measure from=1:2 to=1:3"
+)
+_NOT_MEASURED = dict.fromkeys(("acceleration", "reaction", "force", "torque", "moment"), _FROM_FORCES)
+_NOT_MEASURED |= dict.fromkeys(("stress", "strain"), _AFTER_RUN)
 _OTHER_KEYS = ("number",)  # that lines of all types may have
 
 
@@ -143,6 +154,8 @@ class _Builder:
             signal = Signal("", RATE_SIGNAL, (self.numbers[base],))
         elif base and last in _COLUMNS:
             signal = self._of_element(line, number, base, last)
+        elif last in _NOT_MEASURED:
+            self._error(line, number, f"{text}: {_NOT_MEASURED[last]}", id="ELEMENTS-274")
         elif text == "time":
             signal = Signal("", TIME_SIGNAL, function=_TIME)
         elif text in self.functions:

@@ -7,11 +7,13 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from ...errors import Fault
 from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...model.arrays.signals import set_due
 from ...model.arrays.tree import TreeArrays
 from ...model.integrators import LIBRARY_TREE_METHODS, steps_at_limit
+from ...model.laws import CONTACT
 from ...model.signals import is_sampled
 from ...model.tree import Tree
 from ..checkpoint import contacts_in, faults_reported, reported, restore_contacts, row_of, taken, taken_clock
@@ -104,6 +106,8 @@ class TreeAnalysis(TreeSteps):
         grid = self.tree.time
         end = grid.time(grid.rows - 1)
         refuse_jumps(self.tree)
+        if self.row == 0 and not self.resumed:
+            self.warnings += self._notes_of_contacts()
         stops = [*breakpoints(self.tree, float(self.clock["t"][0]), end), end]
         if is_sampled(self.tree.elements.signals, end - grid.start):
             stops.append(end)
@@ -117,6 +121,16 @@ class TreeAnalysis(TreeSteps):
             if self.tree.closures and self.tree.integration.method in LIBRARY_TREE_METHODS:
                 self.call(tree_dop853.CLOSE)
         self.warnings += steps_at_limit(self.clock[0], "--method sdirk4 or radau (METH 4, 2)")
+
+    def _notes_of_contacts(self) -> Iterator[Fault]:
+        """Yield a note if contacts begin and end within steps of a method of scipy."""
+        method, contacts = self.tree.integration.method, self.tree.elements.of(CONTACT)
+        if contacts and method in LIBRARY_TREE_METHODS:
+            message = (
+                f"begins and ends within steps of {method}, whose error control must resolve it, and touches "
+                "are not counted; --method dop853 or sdirk4 stops there"
+            )
+            yield Fault("note", message, contacts[0].place, contacts[0].name, id="SOLVE-232")
 
     def _rows_up_to(self, stop: float) -> Iterator[TreeRows]:
         method = self.tree.integration.method

@@ -1,6 +1,7 @@
 """Contacts of shapes in decks of all dialects, against closed forms and problems of `reference/motion`."""
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,6 +12,9 @@ from flexmb_cli.kernels import contact as kernel
 from flexmb_cli.kernels import contact_shapes
 from flexmb_cli.model.arrays import contacts as arrays
 from flexmb_cli.model.laws import CONTACT, PAIRS
+from flexmb_cli.solvers.tree.analysis import TreeAnalysis
+from tests.dialects.dafms.dafms_decks import build
+from tests.dialects.dafms.test_dafms_elements import TWO_LINKS, deck
 from tests.dialects.dafms.test_dafms_elements import rows_of as dafms_rows
 from tests.dialects.vsdf.test_elements import rows_of as vsdf_rows
 from tests.solvers.constrained.element_decks import FREE, analysis_of, model_of
@@ -200,3 +204,12 @@ def test_shapes_that_overlap_at_the_start_are_noted_once_with_depth_and_force(he
     found = [fault for fault in analysis.warnings if "overlap" in fault.message]
     assert [(fault.subject, fault.severity) for fault in found] == noted * [("box", "note")]
     assert all("overlap by 0.02 m at the start and push with 200 N;" in fault.message for fault in found)
+
+
+@pytest.mark.parametrize(("method", "noted"), [("radau", True), ("dop853", False)])
+def test_methods_that_do_not_stop_for_contacts_say_so(method, noted):
+    lines = "CONTACT end plane-point from=0(0,0,0) to=2(0,0,0) normal=(0,1,0) stiffness=100"
+    tree = build(deck(f"ELEMENTS\n  {lines}", TWO_LINKS))[0]
+    analysis = TreeAnalysis(replace(tree, integration=replace(tree.integration, method=method)))
+    next(analysis.rows())
+    assert ("SOLVE-232" in [fault.id for fault in analysis.warnings]) is noted

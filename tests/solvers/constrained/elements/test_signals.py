@@ -18,6 +18,7 @@ from tests.dialects.dafms.test_dafms_elements import rows_of as dafms_rows
 from tests.dialects.vsdf.test_elements import rows_of as vsdf_rows
 from tests.solvers.constrained.element_decks import ROTOR
 from tests.solvers.constrained.element_decks import rows_of as young_rows
+from tests.solvers.constrained.elements.test_bristles import faults_of
 
 DECKS = Path(__file__).resolve().parents[4] / "decks"
 # A rotor about z with the moment of inertia J: YOUNG, VSDF and DAFMS, where its angle is ANGLE.
@@ -144,9 +145,7 @@ def test_modes_of_a_bearing_that_sticks_have_its_bristles_as_springs(dialect, tm
         "  FRICTION f joint=1 dynamic=0.2 static=0.3 stribeck=0.1 radius=0.05 preload=8\n"
         "    bristle=2e3 bristle_damping=12",
     )
-    normal = (
-        8.0 if dialect == "young" else 8.0 + 9.81
-    )  # the DAFMS rotor of 1 kg has its weight across the axis
+    normal = 8.0 if dialect == "young" else 17.8  # with the weight of 9.8 N that DAFMS decks have
     roots = [0.0, 0.0, *np.roots([0.02, normal * 0.05**2 * 12.0, normal * 0.05**2 * 2e3])]
     known = sorted(np.linalg.eigvals(found.space.A), key=lambda value: (value.imag, value.real))
     assert known == pytest.approx(sorted(roots, key=lambda value: (value.imag, value.real)), abs=1e-6)
@@ -180,6 +179,86 @@ def test_a_sampled_controller_holds_its_torque_from_sample_to_sample(method, del
     assert rows.element_coordinate[:, -1] == pytest.approx(angles, abs=1e-8)
     # Rows at samples are those after them, the last one too.
     assert rows.element_effort[:, -1] == pytest.approx(torques, abs=1e-8)
+
+
+# Problem control-sampled-p of `reference/motion`: angle and held torque by gain and delay; at the second gain
+# the spectral radius is 1.
+SAMPLED_TIMES = (0.02, 0.05, 0.13, 0.31, 0.5, 1.03, 2.01, 5.0)
+SAMPLED = {
+    (0.5, 0): (
+        (
+            0.00197359788081,
+            0.0120935450899,
+            0.0771092356831,
+            0.372935110525,
+            0.779367984974,
+            1.4053602205,
+            0.838844176929,
+            1.00905585772,
+        ),
+        (
+            0.5,
+            0.493953227455,
+            0.476659685569,
+            0.323592223539,
+            0.110316007513,
+            -0.201393404998,
+            0.0800025643752,
+            -0.00452792885962,
+        ),
+    ),
+    (4.06778512199, 0): (
+        (
+            0.0160563441927,
+            0.0983878855775,
+            0.597461047023,
+            1.92631438573,
+            1.26954544998,
+            1.96016465573,
+            0.470996467645,
+            0.0708045679769,
+        ),
+        (
+            4.06778512199,
+            3.66756434485,
+            2.55748477403,
+            -3.61485495863,
+            -1.09645297112,
+            -3.46877056804,
+            1.83444625727,
+            3.7797673538,
+        ),
+    ),
+    (0.5, 1): (
+        (
+            0.0,
+            0.0,
+            0.0303594724155,
+            0.281961695439,
+            0.705087405979,
+            1.52793536596,
+            0.72807334512,
+            1.03535344508,
+        ),
+        (0.0, 0.5, 0.5, 0.412593118556,
+         0.206440075571, -0.245061224142, 0.124982330548, -0.0152794635278),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["young RK45", "dafms sdirk4"])
+@pytest.mark.parametrize(("kp", "delay"), SAMPLED)
+def test_a_sampled_controller_at_and_below_its_limit_has_the_printed_values(method, kp, delay):
+    """Closed form, tolerance 1e-7, between samples too; at a sample the torque is the new one."""
+    lines = (
+        "  SPRING drag at=ANGLE damping=0.1\n  SIGNAL error sum 1 -ANGLE\n"
+        f"  SIGNAL u pid of=error kp={kp} period=0.05 delay={0.05 * delay}\n  MOTOR m at=ANGLE effort=u"
+    )
+    rows = run(method, 0.05, 5.0, 0.01, lines)
+    at = [round(100.0 * t) for t in SAMPLED_TIMES]
+    angles, torques = SAMPLED[kp, delay]
+    assert rows.element_coordinate[at, -1] == pytest.approx(angles, abs=1e-7)
+    assert rows.element_effort[at, -1] == pytest.approx(torques, abs=1e-7)
 
 
 @pytest.mark.parametrize("method", ["dop853", "sdirk4"])
@@ -253,3 +332,12 @@ def test_blocks_answer_as_in_textbooks(method):
 
 
 NAMES = [line.split()[1] for line in BLOCKS.splitlines() if "SIGNAL" in line]
+
+
+@pytest.mark.parametrize(
+    ("quantity", "remedy"),
+    [("1.angle.acceleration", "measure a rate"), ("revolute-1.torque", "SPRING"), ("arm.4.stress", "gauge")],
+)
+def test_quantities_that_are_no_inputs_name_what_to_measure(quantity, remedy):
+    (fault,) = faults_of(f"SIGNAL x sum 1*{quantity}", ROTOR)
+    assert (fault.id, remedy in fault.message) == ("ELEMENTS-274", True)
