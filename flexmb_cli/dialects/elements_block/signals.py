@@ -155,7 +155,9 @@ class _Builder:
         elif base and last in _COLUMNS:
             signal = self._of_element(line, number, base, last)
         elif last in _NOT_MEASURED:
-            self._error(line, number, f"{text}: {_NOT_MEASURED[last]}", id="ELEMENTS-274")
+            self._error(
+                line, number, f"{text} is no input of signals: {_NOT_MEASURED[last]}", id="ELEMENTS-274"
+            )
         elif text == "time":
             signal = Signal("", TIME_SIGNAL, function=_TIME)
         elif text in self.functions:
