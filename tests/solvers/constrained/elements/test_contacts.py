@@ -213,3 +213,14 @@ def test_methods_that_do_not_stop_for_contacts_say_so(method, noted):
     analysis = TreeAnalysis(replace(tree, integration=replace(tree.integration, method=method)))
     next(analysis.rows())
     assert ("SOLVE-232" in [fault.id for fault in analysis.warnings]) is noted
+
+
+@pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
+def test_a_ball_that_spins_about_the_normal_is_braked_by_the_lever_of_torsion(method):
+    """J dw/dt = -lever N, and what the spin loses is dissipated."""
+    spinning = ball((0.0, 0.0, 0.05 - 5e-6), (0.0, 0.0, 0.0), (0.0, 0.0, 8.0), g=(0.0, 0.0, -10.0))
+    law = "stiffness=1e6 damping=0.1 torsion=0.001 creep=1e-4"
+    rows = young(spinning, 0.3, 0.05, on_plane(law), method)
+    spin = rows.angular_velocity[:, 1, 2]
+    assert spin == pytest.approx(8.0 - 0.001 * 5.0 / spinning.J * rows.time, abs=1e-8)
+    assert rows.dissipated == pytest.approx(0.5 * spinning.J * (64.0 - spin**2), abs=1e-10)
