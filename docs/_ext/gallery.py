@@ -33,7 +33,7 @@ SECTIONS = {
     ),
     "Linkages": (
         "IN4-BAR IN-RSSR IN5BODY IN-PATH fourbar_rigid IN4-BAR-MASS IN-RSSR-MASS IN-RSSR-COELHO IN-PAIR "
-        "driven_pair IN-HOLD IN-LINK arm_elements"
+        "driven_pair IN-HOLD IN-CATCH IN-LINK arm_elements"
     ),
     "Trees of flexible beams": (
         "fourbar_flex slider_crank_flex.dat two_link_n4 spinning_beams spatial_flex arm_nrot stiff_arm "

@@ -76,7 +76,7 @@ def part_of(checkpoint: Mapping[str, np.ndarray], prefix: str) -> dict[str, np.n
 
 
 def moved(part: Any) -> np.ndarray:
-    """Return the numbers that tell a caught part from that of the deck."""
+    """Return the numbers in which a caught part differs from that of the deck."""
     if isinstance(part, GeneralJoint):
         point = part.P_i if isinstance(part.P_i, tuple) else part.P_i.r0
         return np.concatenate([np.array(point, float), np.ravel(part.turned)])

@@ -1,4 +1,4 @@
-"""The state with which a motion goes on when joints and drivers are caught or let go.
+"""The state with which a motion continues when joints and drivers are caught or let go.
 
 An inelastic impulse takes the speeds u to those of least kinetic energy of the difference,
 
@@ -35,7 +35,7 @@ def memory_of(analysis: Any) -> dict[str, np.ndarray]:
 
 
 def remember(analysis: Any, memory: Mapping[str, np.ndarray]) -> None:
-    """Have an analysis of the same parts go on with what `memory_of` gave."""
+    """Have an analysis of the same parts continue with what `memory_of` gave."""
     if not isinstance(analysis, TreeAnalysis):
         analysis.first_angles = memory["angles"]
         return
@@ -66,7 +66,7 @@ def memory_for(before: Any, after: Any) -> dict[str, np.ndarray]:
 
 
 def _angle_keys(arrays: SystemArrays) -> list[Any]:
-    """Return what tells the angles that count turns apart: the directions that they are between."""
+    """Return by what the angles that count turns differ: the directions that they are between."""
     keys: list[Any] = list(range(len(arrays.angles)))  # numbers where no primitive has them
     for records, vectors in (
         (arrays.primitives, arrays.body_vectors),
