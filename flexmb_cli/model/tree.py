@@ -57,6 +57,13 @@ class Elasticity:
         """Number of elastic coordinates NM."""
         return len(self.masses) * len(self.axes)
 
+    @property
+    def lowest(self) -> float:
+        """Lowest circular frequency of the body clamped at O_k, rad/s, without its other masses."""
+        factors = np.repeat(self.masses, len(self.axes)) ** -0.5
+        values = np.linalg.eigvalsh(factors[:, None] * self.stiffness * factors)
+        return float(np.sqrt(max(values[0], 0.0)))
+
 
 @dataclass(frozen=True, eq=False)
 class Body:

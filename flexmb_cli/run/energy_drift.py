@@ -6,6 +6,7 @@ import numpy as np
 
 from ..errors import Fault
 from .solutions import NoCount
+from .stiffening_notes import SpinCount
 
 WRONG = 1e-3  # share of what moves: errors of the steps are a thousandth of that
 ENERGY_ROUND_OFF = 1e-12  # of the total
@@ -75,10 +76,12 @@ class ConstrainedDrift(EnergyDrift):
 
 
 class StepCount(NoCount):
-    """Steps, residuals and drift of energy so far; an inverse run takes no steps of its own."""
+    """Steps, residuals, drift of energy and spins so far; an inverse run takes no steps of its own."""
 
-    def __init__(self, clock: np.ndarray | None = None, drift: EnergyDrift | None = None):
-        self.clock, self.drift = clock, drift
+    def __init__(
+        self, clock: np.ndarray | None = None, drift: EnergyDrift | None = None, spin: SpinCount | None = None
+    ):
+        self.clock, self.drift, self.spin = clock, drift, spin or SpinCount()
         self.residual = 0.0
 
     def add(self, values: Mapping[str, np.ndarray]) -> None:
@@ -87,11 +90,12 @@ class StepCount(NoCount):
         self.residual = max(self.residual, float(residuals.max()))
         if self.drift is not None:
             self.drift.add(values)
+        self.spin.add(values)
 
     @property
     def warnings(self) -> tuple[Fault, ...]:
-        """Return what the energy of the rows makes doubtful."""
-        return self.drift.warnings if self.drift else ()
+        """Return what the energy of the rows makes doubtful, and notes on the spin of bodies."""
+        return (*(self.drift.warnings if self.drift else ()), *self.spin.notes)
 
     def __str__(self) -> str:
         worst = f"largest residual {self.residual:.1e}"

@@ -1,6 +1,7 @@
 """Dynamics of a mechanism of rigid and flexible bodies."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from hashlib import sha256
@@ -18,6 +19,7 @@ from ..energy_drift import ConstrainedDrift, StepCount
 from ..error_estimate import finer_motion
 from ..outcome import Run
 from ..python_options import set_tolerances
+from ..stiffening_notes import SoftBody, SpinCount
 from . import Solution
 from .at_rest import begin_at_rest
 
@@ -25,6 +27,7 @@ TOO_COARSE = (
     "too coarse a tolerance (card INTG), or steps of GALF that are too long (card TIME) or damp too much (a "
     "spectral radius below 1)"
 )
+STIFFENING = "switch it on (card GEOS) by the elements and MATL, or by matrices of the program (cards FEMG)"
 
 
 def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
@@ -36,12 +39,21 @@ def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
         mechanism.time.rows,
         lambda: flexible_layout(mechanism),
         values,
-        StepCount(analysis.clock, ConstrainedDrift(TOO_COARSE)),
+        StepCount(
+            analysis.clock, ConstrainedDrift(TOO_COARSE), SpinCount(_soft_bodies(mechanism), STIFFENING)
+        ),
         partial(unit_warnings, mechanism, run.outcome.system),
         analysis.warnings,
         partial(finer_motion, partial(_analysis, mechanism), values),
         {"bodies": _digest(analysis.system), **run.options.integration},
     )
+
+
+def _soft_bodies(mechanism: FlexibleMechanism) -> Iterator[SoftBody]:
+    for k, body in enumerate(mechanism.bodies):
+        if body.flexible and body.modes and not body.stiffened:
+            lowest = math.tau * float(body.flexible.frequencies.min())
+            yield SoftBody(k, body.name, lowest, body.place)
 
 
 def as_asked(mechanism: FlexibleMechanism, given: Mapping[str, Any]) -> FlexibleMechanism:

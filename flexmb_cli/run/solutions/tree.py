@@ -15,14 +15,19 @@ from ...solvers.tree.points import point_motion, point_names
 from ..energy_drift import EnergyDrift, StepCount
 from ..error_estimate import FINER, finer, why_no_estimate
 from ..outcome import ABSOLUTE, Run
+from ..stiffening_notes import SoftBody, SpinCount
 from . import Solution
 from .at_rest import begin_at_rest, refuse_rest
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     import numpy as np
 
     from ...solvers.tree.analysis import TreeAnalysis
     from ...solvers.tree.rows import TreeRows
+
+STIFFENING = "switch it on for a straight beam (block GSTF)"
 
 
 def solution(tree: Tree, run: Run) -> Solution:
@@ -83,11 +88,19 @@ def _finer_blocks(tree: Tree, run: Run) -> Any:
     return (values_of(second, rows) for rows in kane_analysis(second, run).rows())
 
 
+def _soft_bodies(tree: Tree) -> "Iterator[SoftBody]":
+    for k, body in enumerate(tree.bodies):
+        elastic = body.elastic
+        if elastic is not None and elastic.stiffened_from is None and elastic.coordinates:
+            yield SoftBody(k, body.name, elastic.lowest, body.place)
+
+
 class TreeCount(StepCount):
     """Evaluations, and how far the energy drifts; that of a one-way tree is not constant."""
 
     def __init__(self, clock: "np.ndarray", tree: Tree, absolute: bool):
-        super().__init__(clock, None if tree.one_way else EnergyDrift())
+        spin = SpinCount(_soft_bodies(tree), STIFFENING)
+        super().__init__(clock, None if tree.one_way else EnergyDrift(), spin)
         self.absolute = absolute
 
     def __str__(self) -> str:
