@@ -26,7 +26,7 @@ Triple = tuple[float, float, float]
 CONTACT = 6  # code of the law; a test compares it with model.laws
 # Numbers of the law.
 RIGIDITY, EXPONENT, LOSS, MU, MU_STATIC, MU_STRIBECK, MU_CREEP, ROLLING, TORSION = 0, 1, 2, 3, 4, 5, 6, 7, 8
-BRISTLE, BRISTLE_DAMPING = 9, 10
+BENDING, BENDING_LOSS = 9, 10
 # Columns of the answers of systems with contacts, besides those of `laws`: force on body j, N, and place, m,
 # both in global axes; number of touches, time of the last change, s.
 PUSH, PLACE, TOUCHES, CHANGED = 8, 11, 14, 15
@@ -66,7 +66,7 @@ def answer_touch(
             power += _resist_turns(c, touch, n, minus(w_j, w_i))
         touch["power"] += power
     elif touch["bristle"] >= 0:
-        let_go(signals, touch["bristle"], c[BRISTLE], c[BRISTLE_DAMPING])
+        let_go(signals, touch["bristle"], c[BENDING], c[BENDING_LOSS])
 
 
 @kernel
@@ -108,13 +108,13 @@ def _bend_bristles(
     N, v = touch["effort"], math.sqrt(dot(slip, slip))
     mu = stribeck_friction(c[MU], max(c[MU_STATIC], c[MU]), c[MU_STRIBECK], v)
     own = dot(axes[0], slip), dot(axes[1], slip), dot(axes[2], slip)
-    bent, share = answer_bristles(signals, touch["bristle"], 3, c[BRISTLE], c[BRISTLE_DAMPING], mu, own)
+    bent, share = answer_bristles(signals, touch["bristle"], 3, c[BENDING], c[BENDING_LOSS], mu, own)
     force = outward(axes, bent)
     force = minus(force, scaled(dot(n, force), n))
     store(plus(n, force), touch["push"], 0)
     store(scaled(1.0 / v, slip) if v > 0.0 else across(n), touch["along"], 0)
-    touch["hold"] = N * c[BRISTLE] * share
-    touch["slope_along"] = touch["slope_across"] = N * c[BRISTLE_DAMPING] * share
+    touch["hold"] = N * c[BENDING] * share
+    touch["slope_along"] = touch["slope_across"] = N * c[BENDING_LOSS] * share
     return N * dot(force, slip)
 
 
