@@ -15,8 +15,8 @@ DIALECT = Dialect(
     series_readers=("listing_reader:parse_series",),
     listing_begins=("==n==ndm==",),
     # FORMAT(2F12.7,5E15.6), and the lines that a stopped integration writes below.
-    series_row=r" *(-?\d*\.\d{7}|\*+)( *(-?\d*\.\d{7}|\*+|NaN|-?Inf\w*))?"
-    r"( *(-?\d?\.\d{6}([EDe][+-]\d+|[+-]\d+)|\*+|NaN|-?Inf\w*)){0,5} *|  (TOL,XEND|\*\*Y\*\*).*",
+    series_row=r" *(-?\d*\.\d{7}|\*+)( *(-?\d*\.\d{7}|\*+|(?i:nan)|-?Inf\w*))?"
+    r"( *(-?\d?\.\d{6}([EDe][+-]\d+|[+-]\d+)|\*+|(?i:nan)|-?Inf\w*)){0,5} *|  (TOL,XEND|\*\*Y\*\*).*",
     listing_signs="no echo of a DAFMS deck (==N==NDM==) and no time series of one",
     series=(".T2", ".T3"),
     options=("rtol", "atol", "method", "formulation"),

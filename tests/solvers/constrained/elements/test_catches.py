@@ -321,7 +321,7 @@ FORCED = (
         ("INP", "GALF", FORCED, {}),
         ("pair.vsdf", "RAD5", WELD, {}),
         ("pair.DAT", "", WELD, {}),
-        ("pair.DAT", "", WELD, {"formulation": "absolute", "force": True}),
+        ("pair.DAT", "", WELD, {"formulation": "absolute"}),
         ("pair.DAT", "", WELD, {"integration": {"method": "radau"}}),
     ],
 )
