@@ -148,3 +148,8 @@ class FlexibleMechanism:
     shapes: tuple["Shape", ...] = ()
     elements: JointElements = field(default_factory=JointElements)
     loop_tolerance: float = 0.0  # scaled gap at which overconstrained loops count as closed
+
+    @property
+    def turning_outputs(self) -> list[NodePoint]:
+        """Return the output nodes that have rotations, without arms on them."""
+        return [point for point in self.outputs if point.turn is not None and not point.is_arm]

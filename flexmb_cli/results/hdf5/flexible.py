@@ -36,7 +36,15 @@ from .stress import element_axes, element_constants, stress_axes, stress_series,
 if TYPE_CHECKING:
     from ...solvers.constrained.flexible_rows import FlexibleRows
 
-
+TURNING = "turning/turning"
+NODE_TURNS = {
+    "node_rotation": Series(
+        "turning/rotation", (TURNING, "xyz"), "rad", "rotation vector of the node against its body, body axes"
+    ),
+    "node_angular_velocity": Series(
+        "turning/angular_velocity", (TURNING, "xyz"), "rad/s", "angular velocity of the node, global axes"
+    ),
+}
 FORCES = {
     "reaction_force": Series(
         "reaction/force", JOINT_VECTOR, "N", "force on body b at the joint's first point, global axes"
@@ -72,6 +80,7 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
     for kind, items in (
         ("body", mechanism.bodies),
         ("point", mechanism.outputs),
+        ("turning", mechanism.turning_outputs),
         ("joint", mechanism.joints),
         ("held", mechanism.pins),
         ("driver", mechanism.motions),
@@ -114,7 +123,7 @@ def flexible_values(mechanism: FlexibleMechanism, rows: "FlexibleRows") -> Value
 
 
 def _named() -> dict[str, Series]:
-    return BODY_MOTION | POINT_MOTION | JOINT_SERIES | FORCES
+    return BODY_MOTION | POINT_MOTION | NODE_TURNS | JOINT_SERIES | FORCES
 
 
 def _flexible(mechanism: FlexibleMechanism) -> list[FloatingBody]:

@@ -12,7 +12,7 @@ from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism, NodePoint, PointJoint
 from ...model.vectors import cross_rows
 from .rows import coordinate_accelerations, coordinate_rates, global_axes
-from .turned_arms import arm_motion
+from .turned_arms import arm_motion, node_spin
 
 
 @dataclass(frozen=True)
@@ -37,6 +37,8 @@ class FlexibleRows:
     point_position: np.ndarray  # (T, outputs, 3)
     point_velocity: np.ndarray  # (T, outputs, 3)
     point_acceleration: np.ndarray  # (T, outputs, 3)
+    node_rotation: np.ndarray  # (T, outputs that turn, 3) rotation vectors against the body, its axes, rad
+    node_angular_velocity: np.ndarray  # (T, outputs that turn, 3) rad/s
     joint_coordinate: np.ndarray  # (T, joint coordinates) rad or m, 0 at the estimates of the deck
     joint_rate: np.ndarray  # (T, joint coordinates) its rate
     reaction_force: np.ndarray  # (T, joints, 3)
@@ -93,6 +95,14 @@ class BodyMotion:
             ud[:, :3] + global_axes(p, rest),
         )
 
+    def turning(self, point: NodePoint) -> tuple[np.ndarray, np.ndarray]:
+        """Rotation vector of a node against its body, body axes; angular velocity, global axes; (T, 3)."""
+        assert point.turn is not None, f"{point.name} has no rotations"
+        part = slice(self.first[point.body], self.first[point.body] + point.turn.shape[1])
+        theta, rate = (eta[:, part] @ point.turn.T for eta in self.modal[:2])
+        w = self.u[:, point.body, 3:] + node_spin(theta, rate)
+        return theta, global_axes(self.q[:, point.body, 3:], w)
+
 
 def flexible_rows(mechanism: FlexibleMechanism, arrays: SystemArrays, report: Report) -> FlexibleRows:
     """The rows of a report in the terms of the model."""
@@ -101,6 +111,7 @@ def flexible_rows(mechanism: FlexibleMechanism, arrays: SystemArrays, report: Re
     rates, seconds = coordinate_rates(q, u), coordinate_accelerations(q, u, ud)
     points = [motion.point(point) for point in mechanism.outputs]
     points = [_stacked([point[k] for point in points], len(q)) for k in range(3)]
+    turns = [motion.turning(point) for point in mechanism.turning_outputs]
     return FlexibleRows(
         time=report.times,
         position=q[..., :3],
@@ -116,6 +127,8 @@ def flexible_rows(mechanism: FlexibleMechanism, arrays: SystemArrays, report: Re
         point_position=points[0],
         point_velocity=points[1],
         point_acceleration=points[2],
+        node_rotation=_stacked([theta for theta, _ in turns], len(q)),
+        node_angular_velocity=_stacked([w for _, w in turns], len(q)),
         joint_coordinate=report.joints[..., 0] + 0.0,  # without negative zeros
         joint_rate=report.joints[..., 1] + 0.0,
         **_forces(mechanism, arrays, motion, report),

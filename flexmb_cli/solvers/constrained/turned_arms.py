@@ -23,6 +23,17 @@ def _coefficients(square: np.ndarray) -> tuple[np.ndarray, ...]:
     return 0.5 + square * b, 1.0 / 6.0 + square * c, 2.0 * db, 2.0 * dc
 
 
+def node_spin(theta: np.ndarray, rate: np.ndarray) -> np.ndarray:
+    """Angular velocity (T, 3) of a node against its body, axes of the body; θ, rad, and its rate (T, 3)."""
+    b, c, *_ = _coefficients((theta * theta).sum(axis=1, keepdims=True))
+    return _spin(theta, b, c, rate)
+
+
+def _spin(theta: np.ndarray, b: np.ndarray, c: np.ndarray, v: np.ndarray) -> np.ndarray:
+    first = cross_rows(theta, v)
+    return v + b * first + c * cross_rows(theta, first)
+
+
 def arm_motion(
     arm: np.ndarray, theta: np.ndarray, rate: np.ndarray, second: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -31,14 +42,9 @@ def arm_motion(
     b, c, db, dc = _coefficients(square)
     across = cross_rows(theta, np.broadcast_to(arm, theta.shape))
     end = arm + (1.0 - square * c) * across + b * cross_rows(theta, across)
-
-    def spin(v: np.ndarray) -> np.ndarray:
-        first = cross_rows(theta, v)
-        return v + b * first + c * cross_rows(theta, first)
-
     swept = cross_rows(theta, rate)
-    w = spin(rate)
-    alpha = spin(second) + db * stretch * swept + dc * stretch * cross_rows(theta, swept)
+    w = _spin(theta, b, c, rate)
+    alpha = _spin(theta, b, c, second) + db * stretch * swept + dc * stretch * cross_rows(theta, swept)
     alpha = alpha + c * cross_rows(rate, swept)
     velocity = cross_rows(w, end)
     return end - arm, velocity, cross_rows(w, velocity) + cross_rows(alpha, end)
