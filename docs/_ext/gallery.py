@@ -27,9 +27,9 @@ SECTIONS = {
         "IN-ELEMENTS motor_gear IN-ARM"
     ),
     "Finite-element bodies": (
-        "strap_fine blade frame_on_shaft beam_on_crank slider_crank_flex.vsdf spinup pendulum_ccx freeflying "
-        "hinge_moment beam_elements pendulum_dmig pendulum.vsdf pendulum_abq pendulum_hb pendulum_op4 "
-        "pendulum_pinned strap_medium strap_coarse"
+        "strap_fine blade shell_panel frame_on_shaft beam_on_crank slider_crank_flex.vsdf spinup "
+        "pendulum_ccx freeflying hinge_moment beam_elements pendulum_dmig pendulum.vsdf pendulum_abq "
+        "pendulum_hb pendulum_op4 pendulum_pinned strap_medium strap_coarse"
     ),
     "Linkages": (
         "IN4-BAR IN-RSSR IN5BODY IN-PATH fourbar_rigid IN4-BAR-MASS IN-RSSR-MASS IN-RSSR-COELHO IN-PAIR "

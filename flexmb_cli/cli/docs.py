@@ -6,10 +6,10 @@ import click
 
 from .terminal.screen import WrongCall
 
-PACKAGE = Path(__file__).resolve().parents[1]
+_, INSTALLED, CHECKOUT, *_ = Path(__file__).resolve().parents
 # In a wheel the pages lie in the package, in a checkout where `scripts/docs` builds them.
-PLACES = (PACKAGE / "docs", PACKAGE.parent / "docs" / "_build" / "html")
-MARKDOWN = PACKAGE.parent / "docs" / "index.md"
+PLACES = (INSTALLED / "docs", CHECKOUT / "docs" / "_build" / "html")
+MARKDOWN = CHECKOUT / "docs" / "index.md"
 
 
 @click.command()
