@@ -173,7 +173,10 @@ def defects_of_rows(
     system: System, work: Work, states: np.ndarray, times: np.ndarray, order: int, expected: np.ndarray,
     defects: np.ndarray,
 ) -> None:  # fmt: skip
-    """Fill defects (T, m) with Φ, Φ_q q̇ - ν or Φ_q q̈ - γ, by `order`, at states (T, 3, n); unscaled."""
+    """Fill defects (T, m) with Φ, Φ_q q̇ - ν or Φ_q q̈ - γ, by `order`; unscaled.
+
+    At states (T, 3, n) and times (T,), s.
+    """
     for k in range(times.size):
         q, right_side = states[k, 0], work.vectors[RIGHT_SIDE]
         evaluate_position(system, work, q, times[k], expected)
