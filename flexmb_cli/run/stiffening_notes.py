@@ -14,10 +14,10 @@ NOTED = 0.05
 class SoftBody(NamedTuple):
     """A flexible body without geometric stiffness: its place among the bodies and lowest frequency, rad/s."""
 
-    row: int
-    name: str
-    lowest: float
-    place: Place | None
+    row: int  # among the bodies of results, from 0
+    name: str  # in messages
+    lowest: float  # its lowest circular frequency, rad/s
+    place: Place | None  # of its card, None: not known
 
 
 class SpinCount:
