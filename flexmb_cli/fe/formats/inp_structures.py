@@ -167,6 +167,6 @@ def beam_section(section: Block) -> tuple[list[float], np.ndarray]:
 def _torsion(a: float, b: float) -> float:
     """Return Saint-Venant's torsion constant of a rectangle (Timoshenko and Goodier, section 109)."""
     long, short = max(a, b), min(a, b)
-    odd = np.arange(1, 40, 2)
+    odd = np.arange(1, 2000, 2)
     series = (np.tanh(odd * math.pi * long / (2 * short)) / odd**5.0).sum()
     return float(long * short**3 / 3 * (1 - 192 / math.pi**5 * short / long * series))

@@ -43,6 +43,19 @@ QUAD = (
 )
 
 
+def torsion_of(height, width):
+    """Torsion constant of a rectangle, m⁴: Timoshenko and Goodier, Theory of Elasticity, §109."""
+    n = np.arange(1.0, 4000.0, 2.0)
+    a = max(height, width)
+    b = min(height, width)
+    return float(
+        a * b**3 * (1 / 3 - 64 * b / (np.pi**5 * a) * (np.tanh(n * np.pi * a / (2 * b)) / n**5).sum())
+    )
+
+
+EXACT_TORSION = torsion_of(HEIGHT, WIDTH)
+
+
 def bar(share, torsion, inertias=(I1, I2), area=AREA):
     """The text of the same beams as CBAR; I1 for bending in the plane of x and y."""
     return (
@@ -53,33 +66,32 @@ def bar(share, torsion, inertias=(I1, I2), area=AREA):
 
 
 SECTIONS = {
-    "a rectangle": (B31 + RECT, bar(0.85, TORSION), 1e-3),
+    "a rectangle": (B31 + RECT, bar(0.85, EXACT_TORSION)),
     "a general one": (
         f"{B31}*BEAM GENERAL SECTION,ELSET=E,SECTION=GENERAL\n"
         f"{AREA!r},{I2!r},0.,{I1!r},{TORSION!r}\n0.,1.,0.\n",
-        bar(1.0, TORSION), 1e-12,
+        bar(1.0, TORSION),
     ),
     "a radius": (
         B31 + "*BEAM SECTION,ELSET=E,SECTION=CIRC\n.01\n",
-        bar(0.89, np.pi * 0.5e-8, (np.pi * 0.25e-8,) * 2, np.pi * 1e-4), 1e-12,
+        bar(0.89, np.pi * 0.5e-8, (np.pi * 0.25e-8,) * 2, np.pi * 1e-4),
     ),
     "diameters": (
         B31 + "*BEAM SECTION,ELSET=E,SECTION=CIRC\n.02,.02\n",
-        bar(0.89, np.pi * 0.5e-8, (np.pi * 0.25e-8,) * 2, np.pi * 1e-4), 1e-12,
+        bar(0.89, np.pi * 0.5e-8, (np.pi * 0.25e-8,) * 2, np.pi * 1e-4),
     ),
     "a beam of three nodes": (
-        NODES + "*ELEMENT,TYPE=B32,ELSET=E\n1,101,102,103\n" + RECT, bar(0.85, TORSION), 1e-3,
+        NODES + "*ELEMENT,TYPE=B32,ELSET=E\n1,101,102,103\n" + RECT, bar(0.85, EXACT_TORSION),
     ),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("case", SECTIONS)
 def test_beams_of_input_files_are_those_of_bulk_data(tmp_path, case):
-    """Torsion of the rectangle: the formula of test_beams is good to 1e-3 (Roark), all else to round-off."""
-    own, other, tolerance = SECTIONS[case]
+    own, other = SECTIONS[case]
     pairs = zip(matrices(tmp_path, own + MATERIAL, form="INP"), list(matrices(tmp_path, other)), strict=True)
     for found, expected in pairs:
-        assert difference(found, expected) < tolerance
+        assert difference(found, expected) < 1e-11
 
 
 def test_shells_of_input_files_are_those_of_bulk_data(tmp_path):
