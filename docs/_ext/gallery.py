@@ -28,7 +28,7 @@ SECTIONS = {
     ),
     "Finite-element bodies": (
         "strap_fine blade shell_panel frame_on_shaft beam_on_crank slider_crank_flex.vsdf spinup "
-        "pendulum_ccx freeflying hinge_moment beam_elements pendulum_dmig pendulum.vsdf pendulum_abq "
+        "pendulum_ccx freeflying rotor hinge_moment beam_elements pendulum_dmig pendulum.vsdf pendulum_abq "
         "pendulum_hb pendulum_op4 pendulum_pinned strap_medium strap_coarse"
     ),
     "Linkages": (

@@ -50,6 +50,9 @@ def figures() -> None:
         table = RESULTS / f"{Path(study).stem}.h5"
         flexmb("sweep", TOP / "decks" / study, "-q", "--fresh", "-o", table)
         flexmb("plot", table, result, *options, "-q", "-o", PICTURES / target)
+    rotor = TOP / "decks/vsdf/rotor.vsdf"
+    over = ["--over", "speed", "0", "400", "21", "--frequencies", "0", "150", "--order", "1"]
+    flexmb("modes", rotor, *over, "-q", "--locus", PICTURES / "campbell.png")
 
 
 def sources() -> None:

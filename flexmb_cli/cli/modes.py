@@ -4,7 +4,7 @@ import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 import numpy as np
@@ -14,12 +14,10 @@ from ..errors import visible
 from ..model.by_size import by_size
 from ..run.outcome import Listener, RunOptions
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
+from .options.loci import refuse_loci, show_loci
 from .options.output_file import VERBOSE, Finite, WrittenPlace, refuse_inputs
 from .terminal.progress import Progress
 from .terminal.screen import WrongCall, notify, show, wants_debug
-
-if TYPE_CHECKING:
-    pass
 
 
 @click.command()
@@ -46,11 +44,17 @@ if TYPE_CHECKING:
 @click.option("--response", nargs=2, metavar="INPUT OUTPUT",
               help="Print the frequency response of an output of the state space to an input.")  # fmt: skip
 @click.option("--frequencies", nargs=2, type=Finite(), metavar="LOW HIGH",
-              help="Frequencies of the response, Hz [default: about those of the modes].")  # fmt: skip
+              help="Frequencies of the response, or of --over, Hz [default: of all modes].")  # fmt: skip
 @click.option("--bode", type=WrittenPlace(), metavar="FILE",
               help="Write it: FILE.csv, or Bode and Nyquist diagrams as FILE.png, .svg or .pdf.")  # fmt: skip
 @click.option("--psd", metavar="FILE.csv",
               help="Print the root mean square for this power spectral density of INPUT.")  # fmt: skip
+@click.option("--over", type=(str, float, float, int), metavar="NAME FROM TO COUNT",
+              help="Follow each mode over a number of the deck, as --set names it.")  # fmt: skip
+@click.option("--locus", type=WrittenPlace(), metavar="FILE",
+              help="Write it: FILE.csv, or Campbell diagram and root locus as FILE.png, .svg.")  # fmt: skip
+@click.option("--order", "orders", type=float, multiple=True, metavar="N",
+              help="Where frequencies are N per turn of a speed NAME, rad/s; several.")  # fmt: skip
 @VERBOSE
 def modes(
     decks: tuple[str, ...], echo: bool, as_json: bool, quiet: bool, verbose: bool, out: Any, **options: Any
@@ -69,19 +73,25 @@ def modes(
 
     _refuse_output(out, decks)
     asked = {name: options.pop(name) for name in ("response", "frequencies", "bode", "psd")}
-    _refuse_response(asked, decks)
+    loci = {name: options.pop(name) for name in ("over", "locus", "orders")}
+    loci["within"] = asked["frequencies"]
+    if not loci["over"]:
+        _refuse_response(asked, decks)
+    refuse_loci(loci | asked | {"out": out}, decks)
     progress = Progress("modes", "decks", quiet, verbose)
     listener = Listener(notice=progress.notice, status=progress.status)
-    codes = []
+    codes: list[int] = []
     responds = bool(asked["response"])
     wish = Wish(
         options.pop("time"),
         options.pop("equilibrium"),
-        state_space=as_json or responds,
+        state_space=(as_json and not loci["over"]) or responds,
         out=out,
         responds=responds,
     )
     choices = RunOptions(debug=wants_debug(), **options)
+    if loci["over"]:
+        sys.exit(show_loci(decks[0], loci, wish, choices, listener, as_json=as_json, quiet=quiet))
     for report in every_deck(
         decks, choices, quiet, lambda deck: modes_of_deck(deck, wish, choices, listener)
     ):
