@@ -1,6 +1,6 @@
 """Modes over a number of a deck, each tracked by its shape: root loci, and Campbell diagrams over a speed.
 
-Shapes are told apart by the modal assurance criterion (Allemang, Brown 1982, A correlation coefficient for
+Shapes are compared by the modal assurance criterion (Allemang, Brown 1982, A correlation coefficient for
 modal vector analysis, 1st International Modal Analysis Conference): |a*b|²/(a*a b*b), 1 for the same shape.
 Forward and backward whirl of a rotor have 0.
 """
