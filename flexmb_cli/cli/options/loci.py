@@ -14,8 +14,8 @@ from .output_file import refuse_inputs
 
 if TYPE_CHECKING:
     from ...run.mechanism_modes import Wish
-    from ...run.mode_loci import ModeLoci
     from ...run.outcome import Listener, RunOptions
+    from ...solvers.linearisation.loci import ModeLoci
 
 MOST_PLACES = 10_000
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ...run.mode_loci import ModeLoci
+    from ...solvers.linearisation.loci import ModeLoci
 
 LEAST_SHOWN = 1e-3  # of the largest eigenvalue: half the width of the root locus at least
 
