@@ -26,7 +26,8 @@ def _loci(name: str, values: np.ndarray, wish: Wish, run: Run) -> ModeLoci:
     deck = open_deck(run.outcome.deck, run.options, run.outcome)
     settable, known = SettableDeck(deck), dict(deck.numbers()) | dict(deck.variables)
     if name not in settable:
-        raise DeckError([Fault("error", settable.unknown(name), about=name, id="RUN-170")])
+        message = f"{settable.unknown(name)}; modes follow names of --set"
+        raise DeckError([Fault("error", message, about=name, id="RUN-170")])
     tracks = Tracks(len(values))
     for row, value in enumerate(values.tolist()):
         model = model_of(settable.with_settings([f"{name}={value!r}"]), run)
