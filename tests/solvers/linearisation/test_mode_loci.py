@@ -12,7 +12,7 @@ from tests.study.sensitivity_decks import OSCILLATOR
 from tests.study.studies import flexmb
 
 ROTOR = Path(__file__).resolve().parents[3] / "decks/vsdf/rotor.vsdf"
-# Shaft of decks/vsdf/fe/shaft.bdf; disc of the deck.
+# Shaft of decks/vsdf/fe/rotor/shaft.bdf; disc of the deck.
 E, RHO, D, L = 2.1e11, 7850.0, 0.02, 0.5
 MASS, POLAR, DIAMETRAL = 10.0, 0.2, 0.1
 
