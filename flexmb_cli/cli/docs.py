@@ -6,7 +6,7 @@ import click
 
 from .terminal.screen import WrongCall
 
-_, INSTALLED, CHECKOUT, *_ = Path(__file__).resolve().parents
+INSTALLED, CHECKOUT = Path(__file__).resolve().parents[1:3]
 # In a wheel the pages lie in the package, in a checkout where `scripts/docs` builds them.
 PLACES = (INSTALLED / "docs", CHECKOUT / "docs" / "_build" / "html")
 MARKDOWN = CHECKOUT / "docs" / "index.md"

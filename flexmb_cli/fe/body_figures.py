@@ -66,8 +66,7 @@ def effective_limit(S: Any, frame: Frame) -> np.ndarray:
     carried = (S @ frame.motions)[free]
     inner = S[free][:, free]
     if not isinstance(inner, np.ndarray):
-        found: np.ndarray = np.einsum("ij,ij->j", carried, of_mass(inner, carried))
-        return found
+        return np.asarray(np.einsum("ij,ij->j", carried, of_mass(inner, carried)))
     # Shapes without mass make the matrix singular; they carry nothing.
     split = split_by_mass(inner)
     of_masses: np.ndarray = np.sum((split.heavy.T @ carried) ** 2 / split.masses[:, None], axis=0)

@@ -113,7 +113,7 @@ class _Points:
     def __init__(self, model: VsdfModel, bodies: Sequence[FloatingBody]):
         self.model = model
         self.bodies = bodies
-        self.found: dict[End, NodePoint] = {}
+        self.points: dict[End, NodePoint] = {}
 
     def mechanism(self) -> FlexibleMechanism:
         """The mechanism, item by item."""
@@ -139,11 +139,11 @@ class _Points:
 
     def point(self, end: End) -> NodePoint:
         """The point of an end, one for all that are attached there: a deck may have 200,000 loads."""
-        if end not in self.found:
-            if len(self.found) > MANY_PARTS:
-                self.found.clear()
-            self.found[end] = self._point(end)
-        return self.found[end]
+        if end not in self.points:
+            if len(self.points) > MANY_PARTS:
+                self.points.clear()
+            self.points[end] = self._point(end)
+        return self.points[end]
 
     def _point(self, end: End) -> NodePoint:
         """The point of an end; that of a node set is the mean of its nodes."""

@@ -123,12 +123,12 @@ def _second_moments(M: np.ndarray, turns: np.ndarray) -> np.ndarray:
     n = len(turns)
     blocks = M[np.ix_(turns.ravel(), turns.ravel())].reshape(n, 3, n, 3).transpose(0, 2, 1, 3)
     traces = np.einsum("ijaa->ij", blocks)[:, :, None, None]
-    found: np.ndarray = (traces / 2 * np.eye(3) - blocks).transpose(0, 3, 1, 2)
-    return found.reshape(3 * n, 3 * n)
+    blocks_of_pairs: np.ndarray = (traces / 2 * np.eye(3) - blocks).transpose(0, 3, 1, 2)
+    return blocks_of_pairs.reshape(3 * n, 3 * n)
 
 
 def _first_moments(M: np.ndarray, shifts: np.ndarray, turns: np.ndarray) -> np.ndarray:
     """The integrals of N_i xi_j, (n shifts, 3 n turns): M = -p~ between a displacement and a rotation."""
     blocks = M[np.ix_(shifts.ravel(), turns.ravel())].reshape(len(shifts), 3, len(turns), 3)
-    found: np.ndarray = np.einsum("cab,iajb->ijc", EPSILON, blocks) / 2
-    return found.reshape(len(shifts), 3 * len(turns))
+    moments: np.ndarray = np.einsum("cab,iajb->ijc", EPSILON, blocks) / 2
+    return moments.reshape(len(shifts), 3 * len(turns))

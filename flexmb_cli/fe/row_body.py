@@ -185,5 +185,4 @@ def _given_stiffening(
                 reduced[load.i, load.j] = shapes.T @ (KG @ shapes)
         except FEFileFault as fault:
             findings.error(given.name, str(fault), load.file.place, id=fault.id)
-    found: np.ndarray = np.einsum("ia,jb,ijkl->abkl", frame.axes, frame.axes, reduced)
-    return found
+    return np.einsum("ia,jb,ijkl->abkl", frame.axes, frame.axes, reduced)

@@ -116,19 +116,19 @@ def _array_packer(words: Any, first: int, dimensions: Any, dtype: np.dtype) -> C
 
 
 def _tuple_packer(parts: list[Callable[..., Any]], kind: type) -> Callable[..., Any]:
-    kept = None
+    packed_last = None
 
     def put(values: tuple[int | np.ndarray, ...]) -> bool:
-        nonlocal kept
-        if values is kept:
+        nonlocal packed_last
+        if values is packed_last:
             return True
-        kept = None
+        packed_last = None
         if type(values) is not kind or len(values) != len(parts):
             return False
         if not all(put_part(value) for put_part, value in zip(parts, values, strict=True)):
             return False
         # A list inside could change; arrays and tuples hold on to what was packed.
-        kept = values
+        packed_last = values
         return True
 
     return put

@@ -25,8 +25,8 @@ def nearest_on_mesh(contacts: "Contacts", c: np.void, p: Triple) -> Triple:
 
     Of several that are as near it is that of the first triangle.
     """
-    found = _nearest_on_triangle(contacts.triangles[c["triangle"]], p)
-    least = WIDER * _square(minus(p, found))
+    nearest = _nearest_on_triangle(contacts.triangles[c["triangle"]], p)
+    least = WIDER * _square(minus(p, nearest))
     n, end = c["first_box"], contacts.boxes[c["first_box"]]["skip"]
     first = True
     while n < end:
@@ -38,10 +38,10 @@ def nearest_on_mesh(contacts: "Contacts", c: np.void, p: Triple) -> Triple:
             q = _nearest_on_triangle(contacts.triangles[box["triangle"]], p)
             square = _square(minus(p, q))
             if square < least or (first and square <= least):
-                found, least, first = q, square, False
+                nearest, least, first = q, square, False
                 c["triangle"] = box["triangle"]
         n += 1
-    return found
+    return nearest
 
 
 @kernel

@@ -114,8 +114,8 @@ class Roll:
     def across(self) -> Vector:
         """Return a unit vector at right angles to `axis_i`."""
         normal = np.array(self.axis_i)
-        found = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
-        x, y, z = found / np.linalg.norm(found)
+        direction = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+        x, y, z = direction / np.linalg.norm(direction)
         return float(x), float(y), float(z)
 
 

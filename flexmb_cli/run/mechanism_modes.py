@@ -196,7 +196,7 @@ def _of_mechanism(analysis: "LinearisableMotion", wish: Wish, run: Run) -> Mecha
     from ..solvers.linearisation.constrained_responses import ConstrainedResponses, constrained_signals
 
     time, arrays = analysis.grid.start if wish.time is None else wish.time, analysis.arrays
-    motion, found, space = _linearised(
+    motion, modes, space = _linearised(
         analysis, wish, run, lambda: bring_to(analysis, time), ConstrainedLinearised, ConstrainedResponses,
         constrained_signals, analysis.elements,
     )  # fmt: skip
@@ -207,7 +207,7 @@ def _of_mechanism(analysis: "LinearisableMotion", wish: Wish, run: Run) -> Mecha
     for f in arrays.flexible:
         eta = z[first + f["first"] : first + f["first"] + f["modes"]]
         position.append((f"{arrays.body_names[f['body']]} modal", tuple(eta.tolist())))
-    return MechanismModes(motion.t, wish.equilibrium, found, names, tuple(position), space)
+    return MechanismModes(motion.t, wish.equilibrium, modes, names, tuple(position), space)
 
 
 def tree_modes(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
@@ -227,7 +227,7 @@ def _of_tree(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
     if time > grid.start:
         tree = replace(tree, time=replace(grid, end=time, step=time - grid.start))
     analysis = TreeAnalysis(tree)
-    motion, found, space = _linearised(
+    motion, modes, space = _linearised(
         analysis,
         wish,
         run,
@@ -240,4 +240,4 @@ def _of_tree(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
     names = tuple(coordinate.name for coordinate in tree.coordinates)
     q = np.asarray(motion.z[len(names) : 2 * len(names)]).tolist()
     position = tuple((name, (value,)) for name, value in zip(names, q, strict=True))
-    return MechanismModes(motion.t, wish.equilibrium, found, names, position, space)
+    return MechanismModes(motion.t, wish.equilibrium, modes, names, position, space)

@@ -187,8 +187,8 @@ class BlockReader:
         if rest and rest[0].text.lower() in word.kinds:
             return rest[0].text.lower(), rest[1:]
         piece = rest[0] if rest else first
-        found = f"; read {number.shown(piece.text)}" if rest else ""
-        message = f"{word.word} name is followed by {_listed(word.kinds)}{found}"
+        rest_of_line = f"; read {number.shown(piece.text)}" if rest else ""
+        message = f"{word.word} name is followed by {_listed(word.kinds)}{rest_of_line}"
         self._error(piece, name, message, id="ELEMENTS-052")
         return "", rest
 
@@ -214,8 +214,8 @@ class _Line:
         for key in self.word.keys:
             numbers += self.given.pop(key.name, self._default(key))
         numbers += [number for group in self.given.values() for number in group]
-        found = SECTION, count, self.name, tuple(self._in_units(numbers))
-        return ElementLine(*found, self.word.word, self.kind, place)
+        fields = SECTION, count, self.name, tuple(self._in_units(numbers))
+        return ElementLine(*fields, self.word.word, self.kind, place)
 
     def _in_units(self, numbers: list[Number]) -> Iterator[Number]:
         """Give numbers the units of an angle where the element acts on one."""
@@ -311,8 +311,8 @@ class _Line:
         """Take numbers or signals, (1,2,3), or a single one without parentheses."""
         inside = text[1:-1] if text.startswith("(") and text.endswith(")") else text
         first, kind = offset + (inside != text), NUMBER if key.kind == NUMBERS else key.kind
-        found = enumerate(re.finditer(r"[^\s,]+", inside), 1)
-        parts = [(f"{key.name}.{k}", key.meaning, kind, part[0], first + part.start()) for k, part in found]
+        items = enumerate(re.finditer(r"[^\s,]+", inside), 1)
+        parts = [(f"{key.name}.{k}", key.meaning, kind, part[0], first + part.start()) for k, part in items]
         self.given[key.name] = []
         self._add_parts(key.name, piece, parts)
         if not parts:
@@ -389,10 +389,10 @@ class _Line:
 
     def _take_end(self, piece: Word, key: Key, text: str, offset: int) -> None:
         node, point = _END_AT_NODE.fullmatch(text), _END_AT_POINT.fullmatch(text)
-        if found := node or point:
-            self._part(piece, key, "body", found[1], offset, ("number of the body, 0: the ground", ""))
-            if found[2]:
-                self._part(piece, key, "last", found[2], offset + found.start(2), ("last body of many", ""))
+        if body := node or point:
+            self._part(piece, key, "body", body[1], offset, ("number of the body, 0: the ground", ""))
+            if body[2]:
+                self._part(piece, key, "last", body[2], offset + body.start(2), ("last body of many", ""))
         if node:
             self._part(piece, key, "node", node[3], offset + node.start(3), ("number of the node", ""))
             if node[4]:
@@ -417,13 +417,13 @@ class _Line:
         self._take_components(piece, key, text[1:-1], offset + 1, (key.meaning, key.units[0]))
 
     def _take_components(self, piece: Word, key: Key, text: str, offset: int, label: tuple[str, str]) -> None:
-        found = list(re.finditer(r"[^\s,]+", text))
-        if len(found) != 3 or text.count(",") not in (0, 2):
+        components = list(re.finditer(r"[^\s,]+", text))
+        if len(components) != 3 or text.count(",") not in (0, 2):
             message = f"{key.name} takes three numbers (x,y,z); read {number.shown(text)}"
             self.error(piece, message, offset, id="ELEMENTS-061")
             self.given[key.name] = []
             return
-        for axis, part in zip("xyz", found, strict=True):
+        for axis, part in zip("xyz", components, strict=True):
             self._part(piece, key, axis, part[0], offset + part.start(), (f"{label[0]}, {axis}", label[1]))
 
     def _part(self, piece: Word, key: Key, name: str, text: str, offset: int, label: tuple[str, str]) -> None:
@@ -449,20 +449,20 @@ class _Line:
 
     def _check_solid(self) -> None:
         """Check that a mass has the keys of its type, and no other."""
-        wanted = {POINT: (), STL: ("file",)}.get(self.kind, ("size",))
+        required = {POINT: (), STL: ("file",)}.get(self.kind, ("size",))
         others = ("size", "file", "unit", "density", "angles") if self.kind == POINT else ("size", "file")
-        if wrong := [key for key in others if (key in self.given) != (key in wanted)]:
-            message = f"{self.kind} takes {' and '.join(wanted) or 'mass'}=; not so {' and '.join(wrong)}"
+        if wrong := [key for key in others if (key in self.given) != (key in required)]:
+            message = f"{self.kind} takes {' and '.join(required) or 'mass'}=; not so {' and '.join(wrong)}"
             self.error(self.first, message, id="ELEMENTS-189")
 
     def _check_output(self) -> None:
         """Check that an output has the keys of its type, and no other."""
-        wanted = OUTPUTS[self.kind][3]
-        if wrong := [key for key in ("from", "to", "body") if (key in self.given) != (key in wanted)]:
-            which = " and ".join(f"{key}=" for key in wanted)
+        required = OUTPUTS[self.kind][3]
+        if wrong := [key for key in ("from", "to", "body") if (key in self.given) != (key in required)]:
+            which = " and ".join(f"{key}=" for key in required)
             message = f"{self.kind} takes {which}, and axes=; not so {' and '.join(wrong)}"
             self.error(self.first, message, id="ELEMENTS-181")
-        nodes = [n for key in wanted for n in self.given.get(key, ()) if n.key.endswith(".node")]
+        nodes = [n for key in required for n in self.given.get(key, ()) if n.key.endswith(".node")]
         for node in nodes:
             message = f"an output is of a point of a body; write {node.key.partition('.')[0]}=body(x,y,z)"
             self.error(self.first, message, id="ELEMENTS-182")

@@ -290,21 +290,21 @@ def _damping(record: Record | None, findings: Findings) -> Any:
 
 def _ratios(values: DeckValues, k: int, findings: Findings) -> tuple[tuple[float, float], ...]:
     """Frequencies, ascending, and damping ratios of the cards DAMF, which replace the ratio of DAMP."""
-    found: dict[float, float] = {}
+    of_frequency: dict[float, float] = {}
     for record in values.of_body("damping_table", k):
         frequency, ratio = record.at("f"), record.at("ratio")
         if ratio.value < 0:
             message = f"ratio = {ratio.text}: negative damping feeds energy in"
             findings.error(record.subject, message, ratio.place, id="VSDF-221")
-        if frequency.value < 0 or float(frequency.value) in found:
+        if frequency.value < 0 or float(frequency.value) in of_frequency:
             message = f"frequencies are 0 or more, each given once; read {frequency.text}"
             findings.error(record.subject, message, frequency.place, id="VSDF-222")
-        found[float(frequency.value)] = float(ratio.value)
+        of_frequency[float(frequency.value)] = float(ratio.value)
     damping = values.record("damping", k)
-    if found and damping and damping["ratio"]:
+    if of_frequency and damping and damping["ratio"]:
         message = "the ratio is not read beside the cards DAMF of the body; leave it empty"
         findings.error(damping.subject, message, damping.at("ratio").place, id="VSDF-223")
-    return tuple(sorted(found.items()))
+    return tuple(sorted(of_frequency.items()))
 
 
 def _unit_loads(

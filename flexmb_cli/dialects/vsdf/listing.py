@@ -50,7 +50,7 @@ class VsdfTable:
                 return
 
     def _constraint_lines(self) -> Iterator[str]:
-        mobility = self.analysis.found
+        mobility = self.analysis.mobility
         if mobility is None:
             yield "  the mechanism could not be assembled"
             return

@@ -20,13 +20,13 @@ def beam_matrices(
 
     `elastic`: Young's modulus, Pa, Poisson's ratio, density, kg/m³.
     """
-    found = np.empty((len(beams.rows), 12, 12))
+    matrices = np.empty((len(beams.rows), 12, 12))
     for k, (rows, upward, section) in enumerate(zip(beams.rows, beams.upwards, beams.sections, strict=True)):
         along = positions[rows[1]] - positions[rows[0]]
         local = (_stiffness if letter == "K" else _mass)(float(np.linalg.norm(along)), section, elastic)
         turn = np.kron(np.eye(4), _axes(along, upward))
-        found[k] = turn.T @ local @ turn
-    return found
+        matrices[k] = turn.T @ local @ turn
+    return matrices
 
 
 def _axes(along: np.ndarray, upward: np.ndarray) -> np.ndarray:

@@ -20,11 +20,11 @@ _PAIRS = ((0, 0), (1, 1), (0, 1), (0, 2), (1, 2))
 
 def normals(corners: np.ndarray) -> np.ndarray:
     """Normals (m, 4, 3) at the nodes of shells at `corners` (m, 4, 3), not of unit length: 4 times areas."""
-    found = np.empty_like(corners)
+    vectors = np.empty_like(corners)
     for k in range(4):
         before, after = corners[:, k - 1] - corners[:, k], corners[:, (k + 1) % 4] - corners[:, k]
-        found[:, k] = np.cross(after, before)
-    return found
+        vectors[:, k] = np.cross(after, before)
+    return vectors
 
 
 def shell_stiffness(corners: np.ndarray, thickness: np.ndarray, young: float, poisson: float) -> np.ndarray:
@@ -128,12 +128,12 @@ class _Shells:
         base = self.slopes(0.0, 0.0, 0.0)[0]
         inverse = np.einsum("mai,mid->mad", self.frame(0.0, 0.0), np.linalg.inv(base))
         scale = np.linalg.det(base) / volume
-        found = np.zeros((len(base), 5, 4))
+        rows = np.zeros((len(base), 5, 4))
         for k, slope in enumerate((-2 * r, -2 * s)):
             gradient = slope * scale[:, None] * inverse[:, :2, k]
-            found[:, 0, 2 * k], found[:, 1, 2 * k + 1] = gradient[:, 0], gradient[:, 1]
-            found[:, 2, 2 * k], found[:, 2, 2 * k + 1] = gradient[:, 1], gradient[:, 0]
-        return found
+            rows[:, 0, 2 * k], rows[:, 1, 2 * k + 1] = gradient[:, 0], gradient[:, 1]
+            rows[:, 2, 2 * k], rows[:, 2, 2 * k + 1] = gradient[:, 1], gradient[:, 0]
+        return rows
 
     def drilling(self, r: float, s: float) -> tuple[np.ndarray, np.ndarray]:
         """Rotation about the normal less that of the middle surface, (m, 24); areas (m,)."""
@@ -144,9 +144,9 @@ class _Shells:
         plane = np.linalg.inv(np.einsum("mdi,mai->mda", base[:, :2], np.stack([e1, e2], axis=1)))
         along = np.einsum("mad,mdik->maik", plane, moved[:, :2])
         twist = np.einsum("mi,mik->mk", e1, along[:, 1]) - np.einsum("mi,mik->mk", e2, along[:, 0])
-        found = (twist / 2).reshape(-1, 4, 6)
-        found[..., 3:] += np.einsum("a,mi->mai", _bilinear(r, s)[0], normal)
-        return found.reshape(-1, 24), area
+        difference = (twist / 2).reshape(-1, 4, 6)
+        difference[..., 3:] += np.einsum("a,mi->mai", _bilinear(r, s)[0], normal)
+        return difference.reshape(-1, 24), area
 
 
 def _covariant(base: np.ndarray, moved: np.ndarray, i: int, j: int) -> np.ndarray:

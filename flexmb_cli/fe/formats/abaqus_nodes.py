@@ -27,7 +27,7 @@ _REFUSED = dict.fromkeys(_HIDDEN, _UNREAD) | {
 
 def abaqus_nodes(path: Path) -> list[Node]:
     """Return number, position and line of every node, in the order of the file.  Raises FEFileFault."""
-    return _read(path).found
+    return _read(path).nodes
 
 
 def node_sets(path: Path) -> Callable[[str], list[int]]:
@@ -53,8 +53,8 @@ class _Nodes:
     """The nodes read so far, and what the next ones are made of."""
 
     def __init__(self) -> None:
-        self.found: list[Node] = []
-        self.parts: dict[str, list[int]] = {}  # places of their nodes in `found`
+        self.nodes: list[Node] = []
+        self.parts: dict[str, list[int]] = {}  # places of their nodes in `nodes`
         self.generated, self.placed = 0, False
         self.begin()
         self.readers: dict[str, Callable[[Block], None]] = {
@@ -77,9 +77,9 @@ class _Nodes:
         self.part = self.parts.setdefault(block.options.get("NAME", "") if block else "", [])
 
     def add(self, number: int, position: Any, line: Line) -> None:
-        self.places[number] = len(self.found)
-        self.part.append(len(self.found))
-        self.found.append((number, position, line))
+        self.places[number] = len(self.nodes)
+        self.part.append(len(self.nodes))
+        self.nodes.append((number, position, line))
 
     def join(self, block: Block, members: Iterable[Block | int]) -> None:
         if "NSET" in block.options:
@@ -159,10 +159,10 @@ class _Nodes:
         for number in (first, last):
             if number not in self.places:
                 raise line.fault(f"*{block.keyword}: node {number} is not defined before", id="FE-185")
-        a, b = (np.array(self.found[self.places[number]][1]) for number in (first, last))
+        a, b = (np.array(self.nodes[self.places[number]][1]) for number in (first, last))
         for k, number in enumerate(inner, start=1):
             position = a + k / (len(inner) + 1) * (b - a)
-            known = self.found[self.places[number]][1] if number in self.places else np.inf
+            known = self.nodes[self.places[number]][1] if number in self.places else np.inf
             if not np.abs(position - known).max() <= SAME_PLACE * np.abs(b - a).max():
                 self.add(number, position.tolist(), line)
         self.join(block, (first, *inner, last))
@@ -197,6 +197,6 @@ class _Nodes:
         a, b = np.reshape(line, (2, 3))
         if (a == b).all():
             raise block.line.fault("a translation, two points of an axis and an angle wanted", id="FE-163")
-        positions = np.reshape([self.found[place][1] for place in places], (-1, 3)) + shift - a
+        positions = np.reshape([self.nodes[place][1] for place in places], (-1, 3)) + shift - a
         for place, position in zip(places, positions @ rotation(b - a, degrees).T + a, strict=True):
-            self.found[place] = self.found[place][0], position, self.found[place][2]
+            self.nodes[place] = self.nodes[place][0], position, self.nodes[place][2]

@@ -55,11 +55,11 @@ def read_matrix(
     matrix where a file holds several.  Raises FEFileFault, also for a declared size that no free body with
     these entries can have: the size determines how much memory is taken.
     """
-    found = _read(path, form, (letter, name), mapping, mapping_form)
-    if found.size > len(found.values):
-        message = f"{found.size} rows and {len(found.values)} entries: rows without any are no body's"
+    matrix = _read(path, form, (letter, name), mapping, mapping_form)
+    if matrix.size > len(matrix.values):
+        message = f"{matrix.size} rows and {len(matrix.values)} entries: rows without any are no body's"
         raise FEFileFault(f"{path.name} has {message}", id="FE-030")
-    return replace(found, digits=found.digits or printed_digits(path))
+    return replace(matrix, digits=matrix.digits or printed_digits(path))
 
 
 def content_of(path: Path, form: str) -> bytes:

@@ -93,7 +93,7 @@ def _section_of(block: Block, sections: dict[str, Block]) -> Block:
 def _numbers(block: Block) -> list[tuple[Line, list[int]]]:
     """Return line, and number and nodes, of every element."""
     count = STRUCTURE_TYPES[block.options["TYPE"]]
-    found = []
+    lines_of_numbers = []
     for line in block.data:
         numbers = integers_of(line, words_of(line))
         if len(numbers) != count + 1 or len(set(numbers[1:])) != count:
@@ -101,8 +101,8 @@ def _numbers(block: Block) -> list[tuple[Line, list[int]]]:
                 f"the number and {count} different nodes of an element wanted; read '{line.text.strip()}'"
             )
             raise line.fault(message, id="FE-323")
-        found.append((line, numbers))
-    return found
+        lines_of_numbers.append((line, numbers))
+    return lines_of_numbers
 
 
 def _thickness(section: Block) -> tuple[float, float]:
@@ -123,14 +123,14 @@ def _beams(
         raise block.line.fault(message, id="FE-325")
     rows = [place[number] for number in numbers[1:]]
     values, axis = beam_section(section)
-    found = []
+    beams = []
     for one, other in pairwise(rows):
         along = table.positions[other] - table.positions[one]
         if not upright(along, axis):
             message = f"ends of element {numbers[0]} coincide, or n1 of its section lies along it"
             raise block.line.fault(message, id="FE-326")
-        found.append((numbers[0], [one, other], axis, values))
-    return found
+        beams.append((numbers[0], [one, other], axis, values))
+    return beams
 
 
 def beam_section(section: Block) -> tuple[list[float], np.ndarray]:

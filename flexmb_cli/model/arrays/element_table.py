@@ -175,11 +175,11 @@ class ElementTable:
         if isinstance(self.joints, PointJoints):
             joints = range(len(self.joints.joints))
             self.table.contacts.joined |= {frozenset(self.joints.bodies(k)) for k in joints}
-        found = [*others, *(self._load(item) for item in springs)]
-        found += [self._load(item) for item in forces if item.law is not FRICTION]
-        found += [self._probe(track) for track in self.table.tracks]
-        found += [self._friction(item) for item in forces if item.law is FRICTION]
-        loads: np.ndarray = np.concatenate([np.zeros(0, LOAD), *map(np.atleast_1d, found)])
+        rows = [*others, *(self._load(item) for item in springs)]
+        rows += [self._load(item) for item in forces if item.law is not FRICTION]
+        rows += [self._probe(track) for track in self.table.tracks]
+        rows += [self._friction(item) for item in forces if item.law is FRICTION]
+        loads: np.ndarray = np.concatenate([np.zeros(0, LOAD), *map(np.atleast_1d, rows)])
         for k in np.flatnonzero(loads["function"] >= 0):
             loads["driven"][k] = self.table.functions[loads["function"][k]]["kind"] == SIGNAL
         return loads

@@ -47,16 +47,16 @@ class _Start:
             for c, q, y in zip(tree.coordinates, tree.q, tree.y, strict=True)
             if c.motion != ELASTIC
         }
-        self.found: dict[int, Pose] = {INERTIAL: STILL}
+        self.poses: dict[int, Pose] = {INERTIAL: STILL}
 
     def pose(self, body: int) -> Pose:
         """Pose of a body or node frame; parents come before their children."""
-        if body not in self.found:
+        if body not in self.poses:
             node_frame = body - len(self.tree.bodies)
-            self.found[body] = (
+            self.poses[body] = (
                 self._hung(body) if node_frame < 0 else self._turned(self.frames.node_frames[node_frame])
             )
-        return self.found[body]
+        return self.poses[body]
 
     def _at(self, base: Base) -> Pose:
         """Motion of the point of a base, with its axes."""

@@ -59,7 +59,7 @@ def _rows(mechanism: FlexibleMechanism) -> tuple[Any, Any]:
     blocks = list(compared_rows(analysis))
     named = [key for _, _, key in (*SERIES, *FORCES, *OF_ELEMENTS)]
     rows = joined(blocks, ("time", "position", "velocity", *ENERGIES, *named))
-    return rows, analysis.found is not None and not analysis.found.redundant
+    return rows, analysis.mobility is not None and not analysis.mobility.redundant
 
 
 def _size(mechanism: FlexibleMechanism) -> Size:

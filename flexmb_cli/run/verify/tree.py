@@ -33,9 +33,9 @@ def differences(tree: Tree, deck: Deck, run: Run) -> tuple[Difference, ...]:
     stiff = acting and tree.integration.method in IMPLICIT_TREE_METHODS
     given: dict[str, Any] = (IMPLICIT if stiff else EXPLICIT) | run.options.integration
     tree = replace(tree, integration=replace(tree.integration, **given))
-    found = compare(tree, *_motions(tree, run))
+    largest = compare(tree, *_motions(tree, run))
     run.outcome.rows = tree.time.rows
-    return found
+    return largest
 
 
 def _motions(tree: Tree, run: Run) -> Any:

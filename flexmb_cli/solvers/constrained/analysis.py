@@ -211,7 +211,7 @@ class ConstrainedMotion(ConstrainedState):
 
         Returns what the equations leave free, and which of them repeat others; raises as `rows`.
         """
-        found = self.start_position()
+        mobility = self.start_position()
         if self.starts_sparse:
             self.work.quality[0] = factorise_order(self.work)
         if self.dependent > DEPENDENT:
@@ -221,7 +221,7 @@ class ConstrainedMotion(ConstrainedState):
         self._sample()
         self._begin()
         self.warnings += notes_of_pressed_elements(self.elements, self.arrays.loads, self.work.responses)
-        return found
+        return mobility
 
     def start_position(self) -> Mobility:
         """Assemble positions and speeds at the first time; returns and raises as `start`."""
@@ -234,7 +234,7 @@ class ConstrainedMotion(ConstrainedState):
             q
         )
         self.work.angles[:] = integration.angles[NEW]
-        position = self.found = order_of_elimination(self, q, grid.start)
+        mobility = self.mobility = order_of_elimination(self, q, grid.start)
         integration.z[: q.size] = self._first = q
         # Rates that contradict others are refused here: what is left does repeat others.
         end = q.size + self.arrays.speeds
@@ -245,10 +245,10 @@ class ConstrainedMotion(ConstrainedState):
         end += len(self.arrays.signals.states) - first.size
         integration.z[end : end + first.size] = first
         refuse_coinciding_ends(self.system, self.work, chain(self.springs, self.elements.forces), grid.start)
-        if position.redundant:
-            self.warnings.append(repetition(position, self.usual_repetitions(q), *self.usual_words))
+        if mobility.redundant:
+            self.warnings.append(repetition(mobility, self.usual_repetitions(q), *self.usual_words))
         warn_of_fine_tables(self)
-        return position
+        return mobility
 
     def first_position(
         self, t: float, tolerance: float, start: np.ndarray, *, estimates: bool = False

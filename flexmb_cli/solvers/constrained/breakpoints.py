@@ -41,7 +41,7 @@ def _rows_of_work(motion: ConstrainedState) -> list[float]:
     """
     loads = motion.arrays.loads
     bends = (loads["kind"] == ELEMENT) & ~np.isin(loads["shape"], (SPRING.code, MOTOR.code))
-    if motion.found is None or motion.found.free or not np.any(bends | (loads["kind"] == FRICTION)):
+    if motion.mobility is None or motion.mobility.free or not np.any(bends | (loads["kind"] == FRICTION)):
         return []
     return [motion.grid.time(k) for k in range(motion.grid.rows)]
 

@@ -43,12 +43,12 @@ def order_of_elimination(analysis: ConstrainedState, q: np.ndarray, t: float) ->
         J = sparse_jacobian(work)
         work.order[:], work.rank[0] = order_of_pivots(J)
         return sparse_mobility(J, work.order, int(work.rank[0]), arrays.equations, arrays.speed_name)
-    found = dense_mobility(dense_jacobian(work), arrays.equations, arrays.speed_name, analysis.dependent)
-    rank = (choose_far_apart if analysis.dependent > DEPENDENT else choose_order)(work, found.rank)
+    mobility = dense_mobility(dense_jacobian(work), arrays.equations, arrays.speed_name, analysis.dependent)
+    rank = (choose_far_apart if analysis.dependent > DEPENDENT else choose_order)(work, mobility.rank)
     if project_position(system, work, q, t, analysis.integration.angles[2]) == NO_INERTIA:
         raise inertia_failure(analysis, t)
-    redundant = tuple(group for group in found.redundant if not _of_one_attitude(group))
-    return replace(found, rank=rank, redundant=redundant)
+    redundant = tuple(group for group in mobility.redundant if not _of_one_attitude(group))
+    return replace(mobility, rank=rank, redundant=redundant)
 
 
 def _of_one_attitude(group: tuple[Equation, ...]) -> bool:
@@ -134,10 +134,10 @@ def _mass_matrix(analysis: Any, q: np.ndarray) -> tuple[np.ndarray, tuple[np.nda
         mass_times(analysis.system, analysis.work, x, product)
         column = np.full(arrays.bodies, -1)
         column[owners[chosen]] = chosen
-        kept = np.flatnonzero(column[owners] >= 0)
-        rows.append(kept)
-        columns.append(column[owners[kept]])
-        values.append(product[kept] * arrays.speed_scale[kept])
+        free = np.flatnonzero(column[owners] >= 0)
+        rows.append(free)
+        columns.append(column[owners[free]])
+        values.append(product[free] * arrays.speed_scale[free])
     return np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
 
 
@@ -172,28 +172,28 @@ def start_speeds(analysis: ConstrainedState, q: np.ndarray, t: float) -> np.ndar
     nu, equations = nu / analysis.arrays.row_scale, analysis.arrays.equations
     rates, values, names = analysis.given_rates(q)
     nu = np.concatenate([nu, values])
-    given, wanted = analysis.given_speeds(q)
+    given, speeds = analysis.given_speeds(q)
     if analysis.starts_sparse:
         u = _speeds_of_many(analysis, q, rates * scale, nu, names, t)
-        _warn_of_change(analysis, u, wanted, given)
+        _warn_of_change(analysis, u, speeds, given)
         return u
     J = np.concatenate([dense_jacobian(work), rates * scale])
     if analysis.dependent > DEPENDENT:  # What the loops leave out is no part of the equations.
-        kept = np.sort(work.order[: work.rank[0]])
-        equations = tuple(equations[k] for k in kept)
-        kept = np.append(kept, np.arange(len(work.jacobian), len(J)))
-        J, nu = J[kept], nu[kept]
+        independent = np.sort(work.order[: work.rank[0]])
+        equations = tuple(equations[k] for k in independent)
+        independent = np.append(independent, np.arange(len(work.jacobian), len(J)))
+        J, nu = J[independent], nu[independent]
     particular = _shortest(J, nu)
     _refuse_contradiction(equations, names, J @ particular - nu, t)
     rank = np.linalg.matrix_rank(J, DEPENDENT * np.linalg.norm(J, 2)) if names else work.rank[0]
     motions = np.linalg.svd(J)[2][rank:].T
-    x = _rounded(particular + _nearest(motions, given, wanted / scale - particular), KEPT_BITS)
+    x = _rounded(particular + _nearest(motions, given, speeds / scale - particular), KEPT_BITS)
     correction = _shortest(J, nu - _times(J, x))
-    x += correction + _nearest(motions, given, wanted / scale - x - correction)
+    x += correction + _nearest(motions, given, speeds / scale - x - correction)
     u = _rounded(x, 2 * KEPT_BITS) * scale
-    if np.max(_changes(analysis, u, wanted, given), initial=0.0) > 0.0:
-        u = _after_impulse(analysis, q, particular, motions, wanted, given)
-    _warn_of_change(analysis, u, wanted, given)
+    if np.max(_changes(analysis, u, speeds, given), initial=0.0) > 0.0:
+        u = _after_impulse(analysis, q, particular, motions, speeds, given)
+    _warn_of_change(analysis, u, speeds, given)
     return u
 
 
@@ -228,8 +228,8 @@ def _speeds_of_many(
 
     scale = analysis.arrays.speed_scale
     J = vstack([sparse_jacobian(analysis.work), csr_matrix(rates)], "csr")
-    given, wanted = analysis.given_speeds(q)
-    u = np.where(given, wanted / scale, 0.0)
+    given, speeds = analysis.given_speeds(q)
+    u = np.where(given, speeds / scale, 0.0)
     rest = nu - J @ u
     if np.max(np.abs(rest), initial=0.0) > CLOSED_RATE * np.max(np.abs(u), initial=0.0):
         M = csr_matrix(_mass_matrix(analysis, q), (u.size, u.size))
@@ -309,14 +309,14 @@ def given_speeds(
     velocities: Sequence[InitialVelocity], bodies: int, q: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return which of the speeds (6 bodies,) `velocities` give, and their values."""
-    given, wanted = np.zeros((bodies, 6), dtype=bool), np.zeros((bodies, 6))
+    given, speeds = np.zeros((bodies, 6), dtype=bool), np.zeros((bodies, 6))
     p = q[: 7 * bodies].reshape(bodies, 7)[:, 3:]
     if velocities:
         moved = [item.body for item in velocities]
         given[moved] = True
-        wanted[moved, :3] = [item.velocity for item in velocities]
-        wanted[moved, 3:] = body_axes(p[moved], np.array([item.angular for item in velocities]))
-    return given.ravel(), wanted.ravel()
+        speeds[moved, :3] = [item.velocity for item in velocities]
+        speeds[moved, 3:] = body_axes(p[moved], np.array([item.angular for item in velocities]))
+    return given.ravel(), speeds.ravel()
 
 
 def _refuse_contradiction(

@@ -53,7 +53,7 @@ class ConstrainedState(ABC):
         self.system = constrained_system(arrays)
         self.work = new_work(arrays)
         self.warnings: list[Fault] = []
-        self.found: Mobility | None = None
+        self.mobility: Mobility | None = None
         self.row, self.resumed = 0, False
         self.undetermined: list[float] = []  # times of rows without constraint forces, s
         self._first = np.zeros(0)  # coordinates at the start

@@ -118,7 +118,7 @@ class DrivenDynamics(ForwardDynamics):
 
     def start_position(self) -> Mobility:
         """As `ForwardDynamics.start_position`; raises AnalysisError where something is free to move."""
-        position = super().start_position()
-        if position.free:
+        mobility = super().start_position()
+        if mobility.free:
             raise undetermined(self.model.mechanism.time.start)
-        return position
+        return mobility

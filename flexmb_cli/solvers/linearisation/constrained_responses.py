@@ -81,15 +81,15 @@ class ConstrainedResponses(Responses):
     def _outputs(self, rows: "FlexibleRows | DynamicRows") -> np.ndarray:
         """Observed outputs of a row: of points and joints along axes that turn with their bodies."""
         moved = [getattr(rows, f"point_{what}")[0] for what, _ in MOVED_POINT]
-        found = [
+        outputs = [
             self._along(body, part[k]) for k, (_, body) in enumerate(self.terms.points) for part in moved
         ]
         reactions = rows.reaction_force[0], rows.reaction_torque[0]
         for k, (_, a, b) in enumerate(self.terms.joints):
-            found += [self._along(b.body if b.body >= 0 else a.body, part[k]) for part in reactions]
+            outputs += [self._along(b.body if b.body >= 0 else a.body, part[k]) for part in reactions]
         efforts = rows.driver_effort[0]
         return np.concatenate(
-            [*found, efforts if self.terms.efforts is None else efforts[[*self.terms.efforts]]]
+            [*outputs, efforts if self.terms.efforts is None else efforts[[*self.terms.efforts]]]
         )
 
     def _along(self, body: int, vector: np.ndarray) -> np.ndarray:

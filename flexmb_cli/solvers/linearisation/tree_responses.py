@@ -58,12 +58,12 @@ class TreeResponses(Responses):
     def _rows(self, z: np.ndarray, arrays: TreeArrays) -> Any:
         """The report row of a state, of the tree with other `arrays`."""
         analysis = self.analysis
-        kept = analysis.arrays, analysis.row, analysis.attitude, analysis.clock.copy()
+        before = analysis.arrays, analysis.row, analysis.attitude, analysis.clock.copy()
         analysis.arrays, analysis.clock["t"] = arrays, self.motion.t
         try:
             return analysis.observe(lambda t: z, [self.motion.t])
         finally:
-            analysis.arrays, analysis.row, analysis.attitude, analysis.clock[:] = kept
+            analysis.arrays, analysis.row, analysis.attitude, analysis.clock[:] = before
 
     def _point_axes(self) -> list[np.ndarray | None]:
         """Axes (3, 3) of the bodies whose points they are; None for hinges at rest on the inertial frame."""
@@ -81,9 +81,9 @@ class TreeResponses(Responses):
         rows = self._rows(z, arrays)
         motion = point_motion(self.tree, rows)
         moving = [(k, axes) for k, axes in enumerate(self._axes) if axes is not None]
-        found = [axes.T @ part[0, k] for k, axes in moving for part in motion]
+        parts = [axes.T @ part[0, k] for k, axes in moving for part in motion]
         efforts = rows.driver_effort[0] if isinstance(rows, TreeElementRows) else np.zeros(0)
-        return np.concatenate([rows.y_rate[0], *found, rows.closure_force[0].ravel(), efforts])
+        return np.concatenate([rows.y_rate[0], *parts, rows.closure_force[0].ravel(), efforts])
 
     def displacements(self) -> tuple[np.ndarray, np.ndarray]:
         """Return P (hinge coordinates, n), and its rate, zero."""
