@@ -36,7 +36,7 @@ from .mode_quantities import ModeQuantities, is_mode
 # Of a number: steps of differences between motions by the same steps, whose only noise is round-off, on one
 # side and on both; of those by implicit methods, whose iterations leave some more; of smooth functions.
 OF_ONE_SIDE, OF_EXPLICIT, OF_IMPLICIT, OF_EQUILIBRIUM, OF_KINEMATICS = 1e-7, 3e-6, 1e-4, 1e-3, 2e-4
-LEAST_LENGTH = 0.01  # of the largest length: shorter ones are zeros that were measured or rounded
+LEAST_RELATIVE_LENGTH = 0.01  # of the largest length: shorter ones are zeros that were measured or rounded
 LEAST_SIZE = {"rad": 0.3, "rad or m": 0.1, "-": 0.1, "": 0.1}  # of angles and pure numbers
 OF_ZERO = 0.1  # of the middle one of the numbers in the same unit
 Values = Callable[[float], np.ndarray]
@@ -155,7 +155,7 @@ def _scale(deck: OpenDeck, number: Number) -> float:
     sizes = np.abs([value for value in same if isinstance(value, float) and value != 0.0] or [1.0])
     size = abs(float(number.value))
     if number.unit == "m":
-        return max(size, LEAST_LENGTH * float(sizes.max()))
+        return max(size, LEAST_RELATIVE_LENGTH * float(sizes.max()))
     return max(size, LEAST_SIZE.get(number.unit, 0.0)) or OF_ZERO * float(np.median(sizes))
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ...run.outcome import Listener, RunOptions
     from ...solvers.linearisation.loci import ModeLoci
 
-MOST_PLACES = 10_000
+MOST_POINTS_OF_LOCUS = 10_000
 
 
 def refuse_loci(asked: dict[str, Any], decks: tuple[str, ...]) -> None:
@@ -28,8 +28,8 @@ def refuse_loci(asked: dict[str, Any], decks: tuple[str, ...]) -> None:
     if not over:
         return
     _, low, high, count = over
-    if not (np.isfinite([low, high]).all() and low < high and 2 <= count <= MOST_PLACES):
-        message = f"--over NAME FROM TO COUNT: FROM < TO, and a COUNT from 2 to {MOST_PLACES}"
+    if not (np.isfinite([low, high]).all() and low < high and 2 <= count <= MOST_POINTS_OF_LOCUS):
+        message = f"--over NAME FROM TO COUNT: FROM < TO, and a COUNT from 2 to {MOST_POINTS_OF_LOCUS}"
         raise WrongCall(message, id="CLI-171")
     if asked["response"] or asked["bode"] or asked["psd"] or asked["out"]:
         message = "--over follows modes: ask for a response or a state space at one value, with --set"

@@ -146,7 +146,7 @@ class DrawnBody:
     flexible: bool = False
 
 
-STILL = 1e-9  # of the size of a scene: what moves less is at rest
+RESTING_SHARE = 1e-9  # of the size of a scene: what moves less is at rest
 # The symbol of the ground, as lines from (x, y) to (x, y) below its joint, in radii of a tube of the scene.
 GROUND_SYMBOL = (
     (0.0, 0.0, -2.6, 4.4), (0.0, 0.0, 2.6, 4.4), (-4.2, 4.4, 4.2, 4.4),
@@ -183,7 +183,7 @@ class Scene:
     def supports(self) -> np.ndarray:
         """Numbers of the joints at rest, which get the symbol of the ground; none in a scene of one time."""
         moved = np.ptp(self.joints, axis=0).max(axis=1, initial=0.0)
-        return np.flatnonzero(moved <= STILL * self.size) if len(self.time) > 1 else np.zeros(0, int)
+        return np.flatnonzero(moved <= RESTING_SHARE * self.size) if len(self.time) > 1 else np.zeros(0, int)
 
     def lined(self, surfaces: Iterable[Any]) -> list[DrawnBody]:
         """Return the bodies that have neither elements, as those of `surfaces`, nor shapes to be drawn by."""

@@ -14,7 +14,7 @@ import numpy as np
 from .constrained import Modes
 
 LEAST_LIKE = 0.1  # assurance of two shapes that may be of one mode
-FAR_APART = 0.5  # of the distance of eigenvalues by their size, against that of shapes
+WEIGHT_OF_DISTANCE = 0.5  # of the distance of eigenvalues by their size, against that of shapes
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class Tracks:
             return
         assurance = np.array([[_assurance(a, b) for _, b in self._last] for _, a in new])
         apart = np.array([[abs(x - y) / (abs(x) + abs(y)) for y, _ in self._last] for x, _ in new])
-        for k, column in zip(*linear_sum_assignment(FAR_APART * apart - assurance), strict=True):
+        for k, column in zip(*linear_sum_assignment(WEIGHT_OF_DISTANCE * apart - assurance), strict=True):
             if assurance[k, column] > LEAST_LIKE:
                 yield int(k), int(column)
 
