@@ -12,6 +12,8 @@ from .formats.formats import OF_ELEMENTS, OF_STRUCTURES, read_matrix
 from .formats.matrix_file import FEFileFault, MatrixFile
 from .interface_nodes import tied
 
+MODAL_ROWS = 1000  # beside those of nodes that matrices of damping and geometric stiffness may leave empty
+
 
 def matrix_file(given: Any, file: FEFile, letter: str, findings: Findings) -> MatrixFile | None:
     """The matrix of a file, or of the elements in its place; None with a fault noted."""
@@ -32,7 +34,9 @@ def _matrix(given: Any, file: FEFile, letter: str, findings: Findings) -> Matrix
         table = element_table(given, given.material.file, given.positions, findings)
         return element_matrix(given, table, letter) if table else None
     path, form = (given.mapping.path, given.mapping.form) if given.mapping else (None, "")
-    return read_matrix(file.path, file.form, letter, path, form, file.matrix)
+    # A few dampers leave most rows empty, an axial force all others.
+    empty = 6 * len(given.numbers) + MODAL_ROWS if letter in "BG" else 0
+    return read_matrix(file.path, file.form, letter, path, form, file.matrix, empty)
 
 
 def arranged(

@@ -180,9 +180,18 @@ def row_matrices(names: tuple[str, str], files: tuple[MatrixFile, MatrixFile], t
 def in_rows(
     name: str, file: MatrixFile, numbers: np.ndarray, labels: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The matrix of a file for rows `labels` (k, 2), 0 in those that it lacks; their places in it, or -1."""
+    """The matrix of a file for rows `labels` (k, 2), 0 in those that it lacks; their places in it, or -1.
+
+    Raises FEFileFault, also for rows with entries that `labels` lack.
+    """
     check_finite(name, file)
-    at = {tuple(label): k for k, label in enumerate(labels_of(name, file, numbers).tolist())}
+    own = labels_of(name, file, numbers)
+    at = {tuple(label): k for k, label in enumerate(own.tolist())}
+    foreign = sorted({tuple(label) for label in own[_filled(file)].tolist()} - set(map(tuple, labels.tolist())))
+    if foreign:
+        node, component = foreign[0]
+        message = f"has {len(foreign)} rows that mass and stiffness lack: node {node}, component {component}"
+        raise FEFileFault(f"{name} {message}; export all of them from one model", id="FE-330")
     place = np.array([at.get(tuple(label), -1) for label in labels.tolist()])
     there = np.flatnonzero(place >= 0)
     whole, full = np.zeros((len(labels), len(labels))), as_array(full_matrix(name, file))

@@ -47,16 +47,22 @@ INCLUDING = {"INP": "abaqus_input:lines", "BDF": "bulk_data:lines", "DMIG": "bul
 
 
 def read_matrix(
-    path: Path, form: str, letter: str, mapping: Path | None = None, mapping_form: str = "", name: str = ""
+    path: Path,
+    form: str,
+    letter: str,
+    mapping: Path | None = None,
+    mapping_form: str = "",
+    name: str = "",
+    empty: int = 0,
 ) -> MatrixFile:
     """Return the matrix at `path` in format `form`; `mapping` gives the nodes and directions of its rows.
 
     `name`, or without one `letter` (M, K, G for a geometric stiffness, B for viscous damping), selects a
     matrix where a file holds several.  Raises FEFileFault, also for a declared size that no free body with
-    these entries can have: the size determines how much memory is taken.
+    these entries can have, unless it is at most `empty`: the size determines how much memory is taken.
     """
     matrix = _read(path, form, (letter, name), mapping, mapping_form)
-    if matrix.size > len(matrix.values):
+    if matrix.size > max(len(matrix.values), empty):
         message = f"{matrix.size} rows and {len(matrix.values)} entries: rows without any are no body's"
         raise FEFileFault(f"{path.name} has {message}", id="FE-030")
     return replace(matrix, digits=matrix.digits or printed_digits(path))

@@ -11,7 +11,7 @@ SETS = ("AAX", "AA", "XX", "XX1", "GG")
 # Letter: beginning of Nastran's name, beginnings of other names; G: geometric (differential) stiffness,
 # B: viscous damping.
 NAMES = {"M": ("M", ("M",)), "K": ("K", ("K", "STIF")), "G": ("KD", ("K",)), "B": ("B", ("B", "VISC"))}
-DAMPING = "K4"  # structural damping
+STRUCTURAL = ("K4", "STRUCTURAL")  # beginnings of names of structural damping
 TRANSLATIONS, ROTATIONS, MODAL = (1, 2, 3), (4, 5, 6), 0  # components of rows
 
 
@@ -125,12 +125,23 @@ def chosen(file: str, matrices: Sequence[NamedMatrix], letter: str, name: str) -
     names = [matrix.name for matrix in matrices]
     likely = [name.upper()] if name else names if len(names) == 1 else _likely(matrices, letter)
     fitting = [matrix for matrix in matrices if matrix.name in likely]
+    _refuse_structural_damping(file, fitting or (matrices if letter == "B" else ()), letter, name)
     if len(fitting) != 1:
         which = f"{len(fitting)} may be meant" if fitting else f"no {name or letter} among them is meant"
         which += f" ({', '.join(likely[:20])})" if fitting else ""
         message = f"{file} holds {', '.join(names[:20])}: {which}; name a square real one on a card FEMX"
         raise FEFileFault(message, id="FE-043")
     return fitting[0].read()
+
+
+def _refuse_structural_damping(file: str, matrices: Sequence[NamedMatrix], letter: str, name: str) -> None:
+    structural = [matrix.name for matrix in matrices if matrix.name.startswith(STRUCTURAL)]
+    if structural and (letter == "B" or not name):
+        raise FEFileFault(
+            f"{file}: {structural[0]} is structural damping, which has a meaning at one frequency, not in "
+            "time: give half of its loss factor as ratio of the modes on DAMF or DAMP; FEMX names others",
+            id="FE-329",
+        )
 
 
 def _likely(matrices: Sequence[NamedMatrix], letter: str) -> list[str]:
@@ -140,4 +151,4 @@ def _likely(matrices: Sequence[NamedMatrix], letter: str) -> list[str]:
     paired = [end for end in present if partner + end in usable]
     if present:
         return [prefix + (paired or present)[0]]
-    return [name for name in usable if name.startswith(beginnings) and not name.startswith(DAMPING)]
+    return [name for name in usable if name.startswith(beginnings) and not name.startswith(STRUCTURAL)]

@@ -3,6 +3,7 @@
 Expected: frequencies of scipy.linalg.eigh of the numbers in tests/fe/formats/bar.
 """
 
+import re
 import shutil
 from pathlib import Path
 
@@ -147,6 +148,28 @@ def test_the_card_names_the_matrices_in_every_format(tmp_path):
 )
 def test_what_may_be_meant_is_named(tmp_path, text, cards, words):
     assert words in refused(tmp_path, ("DMIG", text), ("DMIG", text), cards=cards)
+
+
+STRUCTURAL_ALONE = {
+    "alone": (dmig("K4AAX", 0.02 * K), ""),
+    "beside others": (dmig("KAAX", K) + dmig("MAAX", M) + dmig("K4AAX", 0.02 * K), ""),
+    "by its name": (dmig("BAAX", K) + dmig("K4AAX", 0.02 * K), "FEMX\n    1 B    K4AAX\n"),
+    "of Abaqus": ("*MATRIX,TYPE=STRUCTURAL DAMPING\n" + abaqus_rows(0.02 * K), ""),
+}
+
+
+@pytest.mark.parametrize("case", STRUCTURAL_ALONE)
+def test_structural_damping_is_no_viscous_damping(tmp_path, case):
+    text, cards = STRUCTURAL_ALONE[case]
+    (tmp_path / "damping").write_text(text)
+    cards = f"FEMD\n    1 {'ABQ ' if case == 'of Abaqus' else 'DMIG'} damping\n{cards}"
+    words = refused(tmp_path, ("DMIG", dmig("M", M)), ("DMIG", dmig("K", K)), cards=cards)
+    assert re.search(r"damping: (K4AAX|STRUCTURAL ?DAMPING) is structural damping, .* on DAMF or DAMP", words)
+
+
+def test_structural_damping_is_no_stiffness(tmp_path):
+    mass = ("DMIG", dmig("M", M))
+    assert "K4AAX is structural damping" in refused(tmp_path, mass, ("DMIG", dmig("K4AAX", 0.02 * K)))
 
 
 def test_two_op4_matrices_of_one_name_are_refused(tmp_path):

@@ -277,3 +277,12 @@ def test_reduced_bodies_have_no_second_frame(deck):
     found = verified(deck)
     assert found.outcome.exit_code == 2
     assert "takes all modes: give 0 modes" in found.outcome.faults[-1].sentence
+
+
+@pytest.mark.parametrize("name", ["frame_on_shaft", "beam_on_crank", "hinge_moment", "shell_panel"])
+def test_bodies_in_mean_axes_are_refused_at_their_card(name):
+    path = YOUNG.parent / f"vsdf/{name}.vsdf"
+    found = verified(path)
+    (fault,) = [fault for fault in found.outcome.faults if "give three" in fault.sentence]
+    assert found.outcome.exit_code == 2 and found.differences == ()
+    assert path.read_text().splitlines()[fault.place.line - 1].strip().startswith(f"{fault.subject[-1]},FLEX")
