@@ -187,7 +187,8 @@ def in_rows(
     check_finite(name, file)
     own = labels_of(name, file, numbers)
     at = {tuple(label): k for k, label in enumerate(own.tolist())}
-    foreign = sorted({tuple(label) for label in own[_filled(file)].tolist()} - set(map(tuple, labels.tolist())))
+    filled = {tuple(label) for label in own[_filled(file)].tolist()}
+    foreign = sorted(filled - set(map(tuple, labels.tolist())))
     if foreign:
         node, component = foreign[0]
         message = f"has {len(foreign)} rows that mass and stiffness lack: node {node}, component {component}"

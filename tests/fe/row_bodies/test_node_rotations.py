@@ -4,10 +4,15 @@ Expected: arms on the same node, whose ends other equations place: p_arm - p = A
 ω x (p_arm - p).
 """
 
+import csv
+
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from scipy.spatial.transform import Rotation
 
+from flexmb_cli.cli.plot import plot
+from flexmb_cli.cli.table import table
 from flexmb_cli.interface import solve
 from tests.fe.row_bodies.row_decks import DECKS
 
@@ -36,6 +41,22 @@ def test_the_rotation_is_that_of_arms_on_the_node(result):
     turned = body * Rotation.from_rotvec(column(result, "turning/rotation", 1))
     assert np.abs(column(result, "turning/rotation", 1)).max() > 1e-4
     assert np.abs(turned.as_matrix() - arms.transpose(1, 2, 0)).max() < 1e-12
+
+
+def test_table_and_plot_show_the_rotations(tmp_path, result):
+    path = tmp_path / "x.h5"
+    result.save(path)
+    shown = CliRunner().invoke(table, [str(path), "turning.1.rotation", "--units", "deg"])
+    heading, *rows = csv.reader(shown.stdout.splitlines())
+    assert heading == ["time [s]", *(f"turning.1.rotation.{x} [deg]" for x in "xyz")]
+    degrees = np.degrees(column(result, "turning/rotation", 1))
+    assert np.array(rows, float)[:, 1:] == pytest.approx(degrees, rel=1e-12)
+    drawn = CliRunner().invoke(plot, [str(path), "turning.1.rotation", "-q", "-o", str(tmp_path / "x.svg")])
+    assert drawn.exit_code == 0, drawn.output
+    labels = [f"rotation {x} of body 2 node 103" for x in "xyz"]
+    text = (tmp_path / "x.svg").read_text()
+    for label in ("rotation of body 2 node 103 [rad]", *labels):
+        assert f"<!-- {label} -->" in text, label
 
 
 def test_the_angular_velocity_moves_arms_of_the_node(result):
