@@ -85,7 +85,7 @@ THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB
 # In the order a newcomer meets them, with the first lines of their help: no other command is imported for it.
 COMMANDS = {
     "run": "Solve every DECK and write its OUT table and HDF5 result.",
-    "check": "Read every DECK, assemble it and report what is doubtful,...",
+    "check": "Read and assemble every DECK and report its faults and counts,...",
     "verify": "Run every DECK by two formulations and compare the motions;...",
     "modes": "List eigenfrequencies and damping of the mechanism of every...",
     "statics": "Find the static equilibrium of every DECK under its loads, its...",
@@ -97,7 +97,7 @@ COMMANDS = {
     "convert": "Write the model of DECK, or of a URDF or MJCF file, for...",
     "sensitivity": "Print the derivatives of quantities of a DECK's run by numbers...",
     "sweep": "Solve the variants of a deck that STUDY (TOML) describes, and...",
-    "fit": "Find numbers of a deck so that its results meet what STUDY...",
+    "fit": "Find numbers of a deck so that its results meet the...",
     "new": "Ask for the data of a deck, number by number, and write a deck...",
     "beam": "Write the finite-element block of a beam to standard output.",
     "examples": "List the supplied decks, or copy those named, with the files...",

@@ -35,7 +35,7 @@ ABOVE_ZERO = Finite(1e-50, 1e50)
     "--ei1", "EI_1", type=ABOVE_ZERO, help="Bending stiffness for deflection along axis 1, N m^2; needs --ea."
 )
 @click.option("--tip-mass", type=Finite(0, 1e50), default=0.0, help="Mass added to the last node, kg.")
-@click.option("--ndm", type=click.Choice(["2", "3"]), help="NDM of the deck; by default as the axes need.")
+@click.option("--ndm", type=click.Choice(["2", "3"]), help="NDM of the deck [default: as the axes need].")
 @click.option(
     "--deck", "whole", is_flag=True, help="A whole deck: the beam turning about axis 1 of its root."
 )

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 def check(
     decks: tuple[str, ...], echo: bool, as_json: bool, quiet: bool, jacobian: str | None, **options: Any
 ) -> None:
-    """Read every DECK, assemble it and report what is doubtful, without solving; writes nothing.
+    """Read and assemble every DECK and report its faults and counts, without solving; writes nothing.
 
     \b
     Example:

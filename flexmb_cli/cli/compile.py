@@ -8,13 +8,13 @@ from .terminal.screen import notify
 
 
 @click.command("compile")
-@click.option("--list", "listing", is_flag=True, help="Show what is kept in the user's cache, and its size.")
-@click.option("--clear", is_flag=True, help="Delete what is kept in the user's cache, of all versions.")
-@click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+@click.option("--list", "listing", is_flag=True, help="List the user's cache of kernels, and its size.")
+@click.option("--clear", is_flag=True, help="Delete the user's cache of kernels, of all versions.")
+@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 def compile_(listing: bool, clear: Any, quiet: bool) -> None:
     """Compile all kernels now, so that no first run waits for them.
 
-    A wheel built with FLEXMB_REQUIRE_AOT=1 contains them, and nothing is to be done; other installations
+    A wheel built with FLEXMB_REQUIRE_AOT=1 contains them and needs no compilation; other installations
     compile what a run needs, once per version.
 
     \b
@@ -44,7 +44,7 @@ def compile_(listing: bool, clear: Any, quiet: bool) -> None:
     elif nothing_to_compile():
         raise click.UsageError("NUMBA_DISABLE_JIT is set: kernels are interpreted, and none can be compiled")
     elif has_library():
-        notify("flexmb: nothing is to be done: this installation has compiled kernels")
+        notify("flexmb: nothing to do: this installation has compiled kernels")
     else:
         _provide(list(missing_units()), provide_unit, quiet)
     for sentence in refused_places():

@@ -32,7 +32,7 @@ UNITS = ("m", "mm", "mm-kg", "cm", "in")
 @click.option("--unit", type=click.Choice(UNITS), default="m",
               help="Units of DECK: m (kg), mm (t), mm-kg, cm (g), in (lbf).  [default: m]")  # fmt: skip
 @click.option("--to-unit", type=click.Choice(UNITS), default="m",
-              help="Units of the new deck, where its dialect prescribes none.  [default: m]")  # fmt: skip
+              help="Units of the new deck, if its dialect prescribes none.  [default: m]")  # fmt: skip
 @FORCE
 @AS_JSON
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")

@@ -42,7 +42,7 @@ from .terminal.screen import WrongCall, notify, say, show
 )
 @click.option("--tolerances", "tolerance_file", metavar="FILE.toml", shell_complete=files,
               help="Tolerances per file, per type of column and per quantity.")  # fmt: skip
-@click.option("--update", is_flag=True, help="Where they differ, put a copy of B in the place of A.")
+@click.option("--update", is_flag=True, help="If A and B differ, replace A by a copy of B.")
 @click.option(
     "--junit", type=WrittenPlace(), metavar="FILE", help="Write a JUnit file, a test for each file."
 )

@@ -14,7 +14,7 @@ MARKDOWN = CHECKOUT / "docs" / "index.md"
 
 @click.command()
 @click.argument("page", default="index", metavar="[PAGE]")
-@click.option("--where", is_flag=True, help="Print where the page is, and open nothing.")
+@click.option("--where", is_flag=True, help="Print the address of the page, and open nothing.")
 def docs(page: str, where: bool) -> None:
     """Open the documentation, or a PAGE of it, in a browser; it needs no network.
 

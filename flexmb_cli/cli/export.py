@@ -37,7 +37,7 @@ SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
 
 @click.command()
 @RESULT
-@click.option("--to", "form", required=True, type=click.Choice(list(SUFFIX)), help="What to write.")
+@click.option("--to", "form", required=True, type=click.Choice(list(SUFFIX)), help="Form of the file.")
 @click.option("-o", "--output", type=WrittenPlace(), metavar="FILE",
               help="The file; - is standard output, for csv [default: NAME.FORM].")  # fmt: skip
 @in_units("; csv")

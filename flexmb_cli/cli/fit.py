@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 @click.option("--scheduler", metavar="ADDRESS", help="Solve on the Dask cluster with this scheduler.")
 @click.option("--parts", type=WrittenPlace(), metavar="DIR",
               help="Folder of the variants so far, until the end.  [default: beside the table]")  # fmt: skip
-@click.option("--fresh", is_flag=True, help="Throw away what a stopped fit left, and start anew.")
+@click.option("--fresh", is_flag=True, help="Discard the cases of a stopped fit, and start again.")
 @FORCE
 @LOOP_TOLERANCE
 @AS_JSON
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 def fit(
     study: str, output: str | None, parts: str | None, force: bool, as_json: bool, quiet: bool, **options: Any
 ) -> None:
-    """Find numbers of a deck so that its results meet what STUDY (TOML) wants.
+    """Find numbers of a deck so that its results meet the targets of STUDY (TOML).
 
     STUDY names unknown numbers with bounds, and targets (a path, a measured column, a frequency) or an
     objective that is least, with constraints.  Every variant goes into a table; flexmb report draws it.

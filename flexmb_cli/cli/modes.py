@@ -46,15 +46,15 @@ from .terminal.screen import WrongCall, notify, show, wants_debug
 @click.option("--frequencies", nargs=2, type=Finite(), metavar="LOW HIGH",
               help="Frequencies of the response, or of --over, Hz [default: of all modes].")  # fmt: skip
 @click.option("--bode", type=WrittenPlace(), metavar="FILE",
-              help="Write it: FILE.csv, or Bode and Nyquist diagrams as FILE.png, .svg or .pdf.")  # fmt: skip
+              help="Write the response: FILE.csv, or Bode and Nyquist plots (.png, .svg, .pdf).")  # fmt: skip
 @click.option("--psd", metavar="FILE.csv",
               help="Print the root mean square for this power spectral density of INPUT.")  # fmt: skip
 @click.option("--over", type=(str, float, float, int), metavar="NAME FROM TO COUNT",
               help="Follow each mode over a number of the deck, as --set names it.")  # fmt: skip
 @click.option("--locus", type=WrittenPlace(), metavar="FILE",
-              help="Write it: FILE.csv, or Campbell diagram and root locus as FILE.png, .svg.")  # fmt: skip
+              help="Write the modes: FILE.csv, or Campbell and root-locus plots (.png, .svg).")  # fmt: skip
 @click.option("--order", "orders", type=float, multiple=True, metavar="N",
-              help="Where frequencies are N per turn of a speed NAME, rad/s; several.")  # fmt: skip
+              help="Print where frequencies are N times a speed NAME, rad/s; repeatable.")  # fmt: skip
 @VERBOSE
 def modes(
     decks: tuple[str, ...], echo: bool, as_json: bool, quiet: bool, verbose: bool, out: Any, **options: Any
@@ -62,7 +62,7 @@ def modes(
     """List eigenfrequencies and damping of the mechanism of every DECK, and of its flexible bodies.
 
     A VSDF deck's flexible bodies are reduced, with effective masses and what is left out; its mechanism
-    is looked at when --at, --equilibrium or --out is given, or where all bodies are rigid.
+    is linearised with --at, --equilibrium or --out, and if all bodies are rigid.
 
     \b
     Example:

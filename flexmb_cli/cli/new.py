@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 _NAMES = {each.name: each.new_name for each in reversed([*every_dialect()]) if each.form}
 *_FIRST, _LAST = _NAMES.values()
 _KEYS = """\
-Enter    take what stands in [ ]      ?       meaning of the number
-<        the question before          < NAME  back to a record, such as: < driver.1
->        on to the first question without an answer
+Enter    take the value in [ ]        ?       explain the number
+<        previous question            < NAME  back to a record, such as: < driver.1
+>        skip to the first unanswered question
 !        stop; {stop}
 A line may hold one number, or as many as the record has left."""
 _KEPT = "the answers are kept in a draft, from which the next call continues"

@@ -41,11 +41,11 @@ EMULATION = ("With the known errors of", "the program of 1996 (--as-printed)")
 @click.option("-o", "--output", type=WrittenPlace(), metavar="FILE",
               help="A .png, .svg or .pdf file [default: the result's name with .png].")  # fmt: skip
 @click.option("--with", "others", multiple=True, metavar="OTHER.h5",
-              help="Draw the same of another result, with other dashes; can be given again.")  # fmt: skip
+              help="Overlay the same quantities of another result, dashed; repeatable.")  # fmt: skip
 @click.option("--x", "across", default="time", metavar="NAME", help="Draw over this instead of the time.")
 @click.option("--from", "start", type=Finite(), metavar="T", help="Begin with the row at T seconds.")
 @click.option("--to", "stop", type=Finite(), metavar="T", help="End with the row at T seconds.")
-@click.option("--every", type=click.IntRange(1), default=1, metavar="N", help="Every N-th row of these.")
+@click.option("--every", type=click.IntRange(1), default=1, metavar="N", help="Take every N-th row.")
 @in_units(" or get a prefix")
 @click.option("--kind", type=click.Choice(["auto", "curve", "map", "scatter", "parallel", "tolerances"]),
               default="auto",
@@ -57,7 +57,11 @@ EMULATION = ("With the known errors of", "the program of 1996 (--as-printed)")
                    "no title.")  # fmt: skip
 @click.option("--font", default="", metavar="FAMILY", help="Font of a picture for print, such as serif.")
 @click.option(
-    "--font-size", type=click.FloatRange(3, 40), default=8.0, metavar="PT", help="Its size [default: 8]."
+    "--font-size",
+    type=click.FloatRange(3, 40),
+    default=8.0,
+    metavar="PT",
+    help="Size of the font [default: 8].",
 )
 @click.option(
     "--style", default="", metavar="FILE", help="A style file of matplotlib, or the name of a style."

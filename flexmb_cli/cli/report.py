@@ -66,12 +66,12 @@ OF_RUNS = ("colours", "range", "scale", "units", "title", "note", "curves")
 @click.option("--fps", type=click.IntRange(1, 100), default=25, metavar="N",
               help="Frames a second of the film [default: 25].")  # fmt: skip
 @click.option(
-    "--size", default="960x540", metavar="WxH", help="Its width and height in pixels [default: 960x540]."
+    "--size", default="960x540", metavar="WxH", help="Width and height in pixels [default: 960x540]."
 )
 @click.option("--view", type=click.Choice(["start", "x", "y", "z"]), default="start",
               help="Look along this axis [default: the page's first view].")  # fmt: skip
 @click.option("--colours", default="von Mises stress", metavar="NAME",
-              help="What colours finite-element bodies, such as 'principal stress 1' or "
+              help="Quantity that colours finite-element bodies, such as 'principal stress 1' or "
               "'body'; an unknown name lists all [default: von Mises stress].")  # fmt: skip
 @click.option("--range", "ends", type=Interval(), metavar="LOW,HIGH",
               help="Values of the first and the last colour, in --units or the result's "
@@ -81,7 +81,7 @@ OF_RUNS = ("colours", "range", "scale", "units", "title", "note", "curves")
 @click.option("--title", default="", help="Heading of the page [default: the analysis and the deck].")
 @click.option("--note", default="", help="Text below it; \\n\\n begins a paragraph.")
 @click.option("--curves", multiple=True, metavar="NAME",
-              help="Draw this quantity in place of the default ones; can be given again.")  # fmt: skip
+              help="Draw this quantity in place of the default ones; repeatable.")  # fmt: skip
 @in_units(" or get a prefix")
 @FORCE
 @AS_JSON

@@ -37,11 +37,13 @@ from .terminal.screen import WrongCall, notify, show, standard_output, wants_deb
 @click.option("--no-out", is_flag=True, help="Write no OUT table.")
 @click.option("--no-h5", is_flag=True, help="Write no HDF5 result.")
 @click.option("--only", multiple=True, metavar="NAME",
-              help="Store only the datasets of this quantity as HDF5; can be given again.")  # fmt: skip
+              help="Store only the datasets of this quantity as HDF5; repeatable.")  # fmt: skip
 @click.option("--layout", type=click.Choice(["safe", "historic"]), default="safe", show_default=True,
               help="historic: signed zeros, fields that run together.")  # fmt: skip
 @FORCE
-@click.option("-j", "--jobs", type=click.IntRange(1), default=1, show_default=True, help="Decks run at once.")
+@click.option(
+    "-j", "--jobs", type=click.IntRange(1), default=1, show_default=True, help="Decks run in parallel."
+)
 @click.option("--feps", type=Finite(0), help="YOUNG: end Newton at this residual (historic 1e-4).")
 @click.option("--epslu", type=Finite(0, 1), help="YOUNG: smallest pivot (historic 1e-5).")
 @click.option("--nrmax", type=click.IntRange(1), help="YOUNG: most iterations of the assembly (250).")
@@ -56,9 +58,9 @@ from .terminal.screen import WrongCall, notify, show, standard_output, wants_deb
               help="DAFMS: Kane's equations of the tree, or bodies in absolute coordinates.")  # fmt: skip
 @click.option("--resume", is_flag=True, help="Continue a stopped run, to the same results.")
 @click.option("--as-printed", is_flag=True,
-              help="YOUNG: with the errors of the program of 1996, to explain old listings.")  # fmt: skip
+              help="YOUNG: repeat the errors of the program of 1996, to explain old listings.")  # fmt: skip
 @click.option("--estimate-error", is_flag=True,
-              help="Run a second time with finer steps: the global error of every quantity.")  # fmt: skip
+              help="Estimate the global error of every quantity by a second, finer run.")  # fmt: skip
 @click.option("--from-equilibrium", is_flag=True,
               help="Begin at rest, in the equilibrium under the loads.")  # fmt: skip
 def run(decks: Any, as_json: bool, quiet: bool, verbose: bool, jobs: int, **options: Any) -> None:

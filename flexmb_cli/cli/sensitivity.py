@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("deck", metavar="DECK", shell_complete=files)
 @click.option("--of", "of", metavar="QUANTITY", multiple=True, required=True,
-              help="Quantity as in flexmb table, or mode.N.frequency, mode.N.damping; several.")  # fmt: skip
+              help="Quantity of flexmb table, mode.N.frequency or mode.N.damping; repeatable.")  # fmt: skip
 @click.option("--to", "to", metavar="NAME", multiple=True, required=True,
-              help="Number of the deck, by its readable name (check --echo); again for more.")  # fmt: skip
+              help="Number of the deck, by its readable name (check --echo); repeatable.")  # fmt: skip
 @click.option("--relative", is_flag=True, help="Print p/Q dQ/dp, the relative change of Q by that of p.")
 @click.option("--equilibrium", is_flag=True, help="In the static equilibrium instead of along the motion.")
 @click.option("--at", type=Finite(), metavar="TIME", help="Modes at TIME, s (default: the start).")

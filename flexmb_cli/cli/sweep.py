@@ -37,7 +37,7 @@ MOST_FAILURES = 3  # that are named
 @click.option("--parts", type=WrittenPlace(), metavar="DIR",
               help="Folder of the cases so far, which all workers must share; "
               "goes away at the end.  [default: beside the table]")  # fmt: skip
-@click.option("--fresh", is_flag=True, help="Throw away what a stopped study left, and start anew.")
+@click.option("--fresh", is_flag=True, help="Discard the cases of a stopped study, and start again.")
 @FORCE
 @LOOP_TOLERANCE
 @AS_JSON

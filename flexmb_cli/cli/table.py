@@ -23,7 +23,7 @@ if TYPE_CHECKING:
               help="Show the names (of NAME, or all) with unit and meaning instead of numbers.")  # fmt: skip
 @click.option("--from", "start", type=Finite(), metavar="T", help="Begin with the row at T seconds.")
 @click.option("--to", "stop", type=Finite(), metavar="T", help="End with the row at T seconds.")
-@click.option("--every", type=click.IntRange(1), default=1, metavar="N", help="Every N-th row of these.")
+@click.option("--every", type=click.IntRange(1), default=1, metavar="N", help="Take every N-th row.")
 @click.option("-f", "--format", "style", type=click.Choice(["csv", "tsv", "jsonl", "text"]),
               help="csv (default), tsv, jsonl: JSON Lines, text: aligned (default of --list).")  # fmt: skip
 @in_units()

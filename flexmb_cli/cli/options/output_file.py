@@ -22,7 +22,7 @@ def files(context: click.Context, parameter: click.Parameter, incomplete: str) -
 STANDARD_OUTPUT = "-"
 RESULT = click.argument("result", metavar="RESULT.h5", shell_complete=files)
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-QUIET = click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+QUIET = click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 VERBOSE = click.option(
     "-v", "--verbose", is_flag=True, help="Without a terminal, print the progress every ten seconds."
 )
