@@ -9,23 +9,38 @@ from flexmb_cli.dialects.vsdf.build import build_vsdf
 from flexmb_cli.dialects.vsdf.joints import BY_WORD
 from flexmb_cli.errors import ModelError
 from flexmb_cli.fe.build_mechanism import euler_parameters, flexible_mechanism
+from flexmb_cli.interface import read_deck
 from tests.dialects.vsdf.vsdf_decks import DECKS, RIGID, build, changed, read, supplied
 
 # Nine modes are the paper's pendulum and rod.
 STRAPS = dict.fromkeys(("strap_coarse", "strap_medium", "strap_fine"), 3)
 ROWS = dict.fromkeys(("beam_on_crank", "frame_on_shaft"), 16) | {"beam_elements": 10, "shell_panel": 8}
-MODES = {"spinup": 12, "slider_crank_flex": 6, "slider_crank_stress": 6, "blade": 144, **STRAPS, **ROWS}
+MODES = {
+    "spinup": 12,
+    "slider_crank_flex": 6,
+    "slider_crank_stress": 6,
+    "rotor": 6,
+    "blade": 144,
+    **STRAPS,
+    **ROWS,
+}
 
 
 def mechanism(text):
-    found, warnings = flexible_mechanism(build(text), cached=False)
+    return reduced(build(text))
+
+
+def reduced(model):
+    found, warnings = flexible_mechanism(model, cached=False)
     assert warnings == []
     return found
 
 
 @pytest.mark.parametrize("path", sorted(DECKS.glob("*.vsdf")), ids=lambda path: path.stem)
 def test_supplied_decks_describe_mechanisms(path):
-    (flexible,) = (body for body in mechanism(path.read_text()).bodies if body.flexible)
+    model, faults = build_vsdf(read_deck(path).deck, path.parent)
+    (flexible,) = (body for body in reduced(model).bodies if body.flexible)
+    assert faults == []
     assert flexible.modes == MODES.get(path.stem, 9)
 
 

@@ -18,7 +18,7 @@ from tests.solvers.tree.tree_runs import deck_tree
 TURN = "rotation 1"
 GROUND = NodePoint("end a", INERTIAL, np.array([0.0, 0.3, 0.4]), np.zeros((3, 0)))
 TIP = NodePoint("end b", 1, np.array([0.0, 0.9, 0.0]), np.zeros((3, 0)))
-RUBBING = (0.3, 0.4, 0.1, 0.01, 0.05, 2.0)
+RUBBING = (0.3, 0.4, 0.1, 0.01, 0.05, 2.0, 0.0, 0.0)
 ELEMENTS = {
     "friction": JointElements(forces=(Element("f", FRICTION, Joint(0), RUBBING),)),
     "coupling": JointElements(couplings=(Coupling("c", ((0, TURN, 1.0), (1, TURN, 2.0))),)),
