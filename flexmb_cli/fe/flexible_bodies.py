@@ -96,7 +96,7 @@ def _content(file: Any) -> bytes:
 
 def _settings(given: FlexibleInput) -> str:
     loads = [(load.i, load.j) for load in given.unit_loads]
-    settings = (
+    settings: tuple[Any, ...] = (
         given.reference,
         given.clamped,
         given.attachment,
@@ -107,6 +107,8 @@ def _settings(given: FlexibleInput) -> str:
         loads,
         given.stiffening and (given.stiffening.young.hex(), given.stiffening.poisson.hex()),
     )
+    if given.nodal_masses or given.stiffness_factor != 1.0:
+        settings = (*settings, given.nodal_masses, given.stiffness_factor)
     return repr((*settings, "stress", _of_material(given.material)) if given.material else settings)
 
 

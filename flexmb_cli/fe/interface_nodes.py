@@ -82,7 +82,7 @@ def tied(file: MatrixFile, given: FlexibleInput) -> MatrixFile:
     carried = carried_by(given.interfaces)
     if not carried:
         return file
-    labels = _labels(file, given)
+    labels = labels_of(file, given)
     order, independent = _order(labels, carried, given)
     row_of = {label: i for i, label in enumerate(order)}
     entries = [(i, row_of[labels[i]], 1.0) for i in independent]
@@ -142,8 +142,8 @@ def mean_motion(one: InterfaceNode, positions: np.ndarray) -> np.ndarray:
     return motion
 
 
-def _labels(file: MatrixFile, given: FlexibleInput) -> list[tuple[int, int]]:
-    """Return node and component of every row."""
+def labels_of(file: MatrixFile, given: FlexibleInput) -> list[tuple[int, int]]:
+    """Return node and component of every row.  Raises FEFileFault."""
     if file.equations is not None:
         return [(node, component) for node, component in file.equations.tolist()]
     each, rest = divmod(file.size, len(given.numbers))

@@ -29,10 +29,11 @@ def modal_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | None:
     try:
         if given.mass.path != given.stiffness.path or given.mass.form != given.stiffness.form:
             raise FEFileFault("mass and stiffness of a .fem file come from the same file", id="FE-290")
-        if given.reference or given.clamped or given.attachment or given.interface or given.unit_loads:
+        nodes = given.reference or given.clamped or given.attachment or given.interface
+        if nodes or given.unit_loads or given.nodal_masses:
             message = (
                 "the modes of a .fem file are the basis: no reference, clamped, attachment and "
-                "interface nodes, and no geometric stiffness, are read beside them"
+                "interface nodes, no geometric stiffness and no added masses are read beside them"
             )
             raise FEFileFault(message, id="FE-291")
         file = read_modal_file(given.stiffness.path)
@@ -94,7 +95,7 @@ def _modes(given: FlexibleInput, file: ModalFile) -> tuple[np.ndarray, np.ndarra
         if not np.abs(matrix - matrix.T).max() <= SYMMETRY * np.abs(matrix).max():
             raise FEFileFault(f"the modal {what} of {name} is not symmetric", id="FE-293")
     try:
-        values, modes = eigh(file.stiffness, file.mass)
+        values, modes = eigh(given.stiffness_factor * file.stiffness, file.mass)
     except LinAlgError:
         raise FEFileFault(f"the modal mass of {name} is not positive definite", id="FE-294") from None
     if not values[0] > LEAST_STRAIN * values[-1]:

@@ -73,6 +73,7 @@ def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | Non
 def _solid_body(
     given: FlexibleInput, S: NodalMatrix, K: NodalMatrix, findings: Findings
 ) -> FlexibleBody | None:
+    given = given.with_factor
     figures = check_matrices(given, S.matrix, K.matrix, K.file, findings)
     if findings.has_errors:
         return None

@@ -5,7 +5,7 @@ S is the mass matrix of the finite-element program.  Of solid elements S^ij = m_
 m of scalars is all that inertia needs; of others see `fe.estimated_moments`.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -80,7 +80,9 @@ class FlexibleInput:
     `attachment`: nodes of static attachment modes; `interface`: nodes of a Craig-Bampton basis.
     `damping`: alpha, 1/s, beta, s, and the ratio of every mode.  `stiffening`: elements whose stresses
     stiffen the body, `material`: those whose stresses are wanted, `mesh`: the file of elements
-    whose material is not known.  `axes` (n, 3, 3): those of the displacements of each node, columns, None
+    whose material is not known.  `nodal_masses`: nodes and what is added to their masses, kg;
+    `stiffness_factor`: of the stiffness and of Young's moduli.
+    `axes` (n, 3, 3): those of the displacements of each node, columns, None
     for those of the table.  `ratios`: frequencies, Hz, and damping ratios there, in place of one ratio.
     """
 
@@ -105,7 +107,19 @@ class FlexibleInput:
     ratios: tuple[tuple[float, float], ...] = ()
     interfaces: tuple[InterfaceNode, ...] = ()
     damping_matrix: FEFile | None = None  # of viscous damping
+    nodal_masses: tuple[tuple[int, float], ...] = ()
+    stiffness_factor: float = 1.0
     whole: "FlexibleInput | None" = None  # with the nodes that `interfaces` replace, as the files have them
+
+    @property
+    def with_factor(self) -> "FlexibleInput":
+        """Return the input with Young's moduli times `stiffness_factor`, those of the stiffness."""
+        materials = (
+            material and replace(material, young=material.young * self.stiffness_factor)
+            for material in (self.stiffening, self.material)
+        )
+        stiffening, material = materials
+        return replace(self, stiffening=stiffening, material=material)
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ def added_masses(
             message = no_such("body", body.value, len(rigid))
             findings.error(line.subject, message, line.place_of("body"), id="ELEMENTS-183")
         elif not rigid[body.value - 1]:
-            message = f"body {body.value} is flexible: its nodes carry its mass; add it to their masses"
+            message = f"body {body.value} is flexible: its nodes carry its mass; add it there (NODM of VSDF)"
             findings.error(line.subject, message, line.place_of("body"), id="ELEMENTS-184")
         elif (solid := _solid(line, folder, findings)) is not None:
             of_body.setdefault(body.value - 1, []).append(solid)

@@ -14,6 +14,7 @@ from ...model.diagnostics import Findings
 from ...model.fe_model import VsdfBody
 from ...model.flexible_body import ElementMaterial, FEFile, FlexibleInput, UnitLoad
 from .cards.bodies import MATRIX_SECTIONS
+from .changed_matrices import changes_of_matrices
 from .interface_nodes import carrying_arms, check_uses, interface_nodes
 from .nodes import arms_of, members_of, sets_of
 
@@ -137,6 +138,7 @@ def flexible_body(
         files["mapping"],
         _reference(record, nodes, k, findings),
         **_node_lists(values, k, nodes, sets, findings),
+        **changes_of_matrices(values, k, table.numbers.tolist(), findings),
         modes=_modes(record, findings),
         damping=_damping(values.record("damping", k), findings),
         unit_loads=_unit_loads(values, k, folder, names.get("unit_load", ""), findings),

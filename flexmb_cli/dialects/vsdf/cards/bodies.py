@@ -41,6 +41,21 @@ BODY_CARDS = (
     file_card("FEMM", "mass_matrix", "mass matrix", MATRIX_FORMS),
     file_card("FEMK", "stiffness_matrix", "stiffness matrix", MATRIX_FORMS),
     file_card("FEMD", "damping_matrix", "damping matrix", MATRIX_FORMS),
+    card(
+        "NODM nodal_mass list",
+        "nodal mass {}",
+        BODY,
+        whole_column("node", "node of the table to whose mass it is added", None),
+        Column("mass", "mass of a point", "kg", default=None),
+        bodies="FLEX",
+    ),
+    card(
+        "SCAL stiffness_factor body",
+        "stiffness of body {}",
+        BODY,
+        Column("factor", "number by which the stiffness and Young's modulus are multiplied", default=None),
+        bodies="FLEX",
+    ),
     file_card("FEMP", "mapping", "equation mapping", MAPPING_FORMS),
     card(
         "FEMX matrix_name list",
