@@ -80,7 +80,7 @@ def tied(file: MatrixFile, given: FlexibleInput) -> MatrixFile:
     Raises FEFileFault.
     """
     carried = carried_by(given.interfaces)
-    if not carried:
+    if not carried or not len(file.values):
         return file
     labels = labels_of(file, given)
     order, independent = _order(labels, carried, given)

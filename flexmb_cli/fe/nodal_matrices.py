@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .formats.matrix_file import FEFileFault, MatrixFile, size_hint
+from .formats.matrix_file import TRANSLATIONS, FEFileFault, MatrixFile, size_hint
 from .linear_algebra import Matrix, Singular, condensed_on, solver, stored, summed, without_diagonal
 
 SYMMETRY = 1e-6
@@ -161,7 +161,7 @@ def full_matrix(name: str, file: MatrixFile) -> Matrix:
 def _rows_of_nodes(name: str, equations: np.ndarray, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     order = np.argsort(numbers)
     place = order[np.searchsorted(numbers, equations[:, 0], sorter=order).clip(max=len(order) - 1)]
-    known = numbers[place] == equations[:, 0]
+    known = (numbers[place] == equations[:, 0]) & np.isin(equations[:, 1], TRANSLATIONS)
     rows = np.full(3 * len(numbers), -1, dtype=np.int64)
     rows[3 * place[known] + equations[known, 1] - 1] = np.flatnonzero(known)
     internal = np.flatnonzero(~known)

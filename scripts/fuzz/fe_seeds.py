@@ -1,36 +1,50 @@
-"""One brick as the files of every finite-element format, and the decks that name them: seeds for damage."""
+"""Small bodies as files of every finite-element format, and the decks that name them: seeds for damage.
+
+One brick, a plate of shells with beams at its edges, a beam of rows with rotations, modes, and couplings.
+"""
 
 import struct
 from pathlib import Path
 
 import numpy as np
+from fe_body_seeds import beam_rows, body_files
 
 YOUNG, POISSON, DENSITY = 2e9, 0.3, 1000.0
 SIDES = (0.3, 0.2, 0.1)
 UNIT = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
 XYZ = ("UX", "UY", "UZ")
-# Name of the deck: formats and files of the cards FEMN, FEMM, FEMK, FEMP, and whether bricks stiffen it.
+STIFFENED, OF_MESH = "GEOS\n    1    1     2e+09       0.3\n", "MATL\n    1     2e+09       0.3    1000.0\n"
+COUPLED = "RBE2\n    1  901    0\nRBE3\n    1  902    0\n"
+# Name of the deck: formats and files of the cards FEMN, FEMM, FEMK, FEMP, and further cards.
 DECKS = {
-    "mm": ("TXT n.txt", "MM m.mtx", "MM k.mtx", "", False),
-    "mm_array": ("CDB n.cdb", "MM m.array", "MM k.array", "", True),
-    "hb": ("TXT n.txt", "HB m.hb", "HB k.hb", "ANS n.mapping", False),
-    "ccx": ("INP n.inp", "CCX n.mas", "CCX n.sti", "CCX n.dof", True),
-    "abaqus": ("INP n.inp", "ABQ m.abq", "ABQ k.abq", "", False),
-    "abaqus_rows": ("TXT n.txt", "ABQ m.coo", "ABQ k.coo", "", False),
-    "dmig": ("BDF n.bdf", "DMIG mk.pch", "DMIG mk.pch", "", True),
-    "op4": ("BDF n.bdf", "OP4 mk.op4", "OP4 mk.op4", "", False),
-    "op4_binary": ("TXT n.txt", "OP4 mk.bin", "OP4 mk.bin", "", False),
+    "mm": ("TXT n.txt", "MM m.mtx", "MM k.mtx", "", ""),
+    "mm_array": ("CDB n.cdb", "MM m.array", "MM k.array", "", STIFFENED),
+    "hb": ("TXT n.txt", "HB m.hb", "HB k.hb", "ANS n.mapping", ""),
+    "ccx": ("INP n.inp", "CCX n.mas", "CCX n.sti", "CCX n.dof", STIFFENED),
+    "abaqus": ("INP n.inp", "ABQ m.abq", "ABQ k.abq", "", ""),
+    "abaqus_rows": ("TXT n.txt", "ABQ m.coo", "ABQ k.coo", "", ""),
+    "dmig": ("BDF n.bdf", "DMIG mk.pch", "DMIG mk.pch", "", STIFFENED),
+    "op4": ("BDF n.bdf", "OP4 mk.op4", "OP4 mk.op4", "", ""),
+    "op4_binary": ("TXT n.txt", "OP4 mk.bin", "OP4 mk.bin", "", ""),
+    "shells_inp": ("INP s.inp", "", "", "", OF_MESH),
+    "shells_bdf": ("BDF s.bdf", "", "", "", OF_MESH),
+    "couplings_inp": ("INP c.inp", "ABQ m.abq", "ABQ k.abq", "", COUPLED),
+    "couplings_bdf": ("BDF c.bdf", "DMIG mk.pch", "DMIG mk.pch", "", COUPLED),
+    "superelement": ("BDF e.pch", "DMIG e.pch", "DMIG e.pch", "", ""),
+    "rotations_op4": ("BDF x.pch", "OP4 r.op4", "OP4 r.op4", "BDF x.pch", ""),
+    "modal": ("FEM b.fem", "FEM b.fem", "FEM b.fem", "", ""),
 }
 
 
 def write_seeds(folder: Path) -> dict[str, list[str]]:
     """Write decks and files into `folder`; the names of each deck's files, by the deck's name."""
     nodes, M, K = _brick()
-    for name, content in (_node_files(nodes) | _matrix_files(M, K)).items():
+    files = _node_files(nodes) | _matrix_files(M, K) | body_files(nodes, K)
+    for name, content in files.items():
         raw = content if isinstance(content, bytes) else content.encode()
         (folder / name).write_bytes(raw)
-    for name, (*cards, stiffened) in DECKS.items():
-        (folder / f"{name}.vsdf").write_text(_deck(cards, stiffened))
+    for name, (*cards, more) in DECKS.items():
+        (folder / f"{name}.vsdf").write_text(_deck(cards, more))
     return files_of_decks()
 
 
@@ -73,16 +87,16 @@ def _stiffness(nodes):
     return K
 
 
-def _deck(cards, stiffened):
+def _deck(cards, more):
     lines = ["VSDF A BRICK", "BODY", "    1 FLEX    4    0    0    0"]
     for word, card in zip(("FEMN", "FEMM", "FEMK", "FEMP"), cards, strict=True):
         if card:
             form, file = card.split()
             lines += [word, f"    1 {form:4} {file}"]
-    if stiffened:
-        lines += ["GEOS", f"    1    1{YOUNG:10.3g}{POISSON:10.3g}"]
-    lines += ["JOIN", "    1 REVO    0    0    0    1    1    2", "TIME", "      0.01     0.001"]
-    return "\n".join([*lines, "OUTN", "    1    7", "END", "STAR", "STOP"]) + "\n"
+    lines += [*more.splitlines(), "TIME", "      0.01     0.001"]
+    if cards[0].split()[1].startswith("n."):
+        lines += ["JOIN", "    1 REVO    0    0    0    1    1    2", "OUTN", "    1    7"]
+    return "\n".join([*lines, "END", "STAR", "STOP"]) + "\n"
 
 
 def _node_files(nodes):
@@ -127,6 +141,8 @@ def _matrix_files(M, K):
     named = (("KAAX", K), ("MAAX", M))
     files["mk.pch"] = "".join(_dmig(name, matrix) for name, matrix in named)
     files["mk.op4"] = "".join(_op4(name, matrix) for name, matrix in named)
+    rows = zip(("MXX", "KXX"), beam_rows(), strict=True)
+    files["r.op4"] = "".join(_op4(name, matrix) for name, matrix in rows)
     files["mk.bin"] = b"".join(_op4_binary(name, matrix) for name, matrix in named)
     return files
 

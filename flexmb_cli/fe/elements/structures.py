@@ -18,7 +18,9 @@ def matrix_of_structures(material: ElementMaterial, letter: str) -> MatrixFile:
         raise FEFileFault(message, id="FE-278")
     nodes = read_node_table(path, form)
     elastic = material.young, material.poisson, material.density
-    return structure_matrix(read_structures(path, form, nodes, elastic), nodes, elastic, letter)
+    table = read_structures(path, form, nodes, elastic)
+    with np.errstate(all="ignore"):  # what is not finite is refused as in files of matrices
+        return structure_matrix(table, nodes, elastic, letter)
 
 
 def structure_matrix(

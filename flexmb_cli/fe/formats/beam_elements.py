@@ -104,6 +104,10 @@ def _beam(
 
 
 def upright(along: np.ndarray, upward: np.ndarray) -> bool:
-    """Return whether a beam along `along` (3,) has a length, and `upward` (3,) another direction."""
-    sine = np.linalg.norm(np.cross(along, upward))
-    return bool(sine > _LEAST_ANGLE * np.linalg.norm(along) * np.linalg.norm(upward))
+    """Return whether a beam along `along` (3,) has a length, and `upward` (3,) another direction.
+
+    False for numbers that are too large for products.
+    """
+    with np.errstate(all="ignore"):
+        sine = np.linalg.norm(np.cross(along, upward))
+        return bool(sine > _LEAST_ANGLE * np.linalg.norm(along) * np.linalg.norm(upward))

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...model.diagnostics import LARGEST_NUMBER
 from .file_text import Line, integer, lines_of, real
 from .matrix_file import MODAL, FEFileFault, MatrixFile
 from .node_table import Node
@@ -132,4 +133,7 @@ def _numbers(
     if len(values) != count:
         message = f"record group {group} holds {len(values)} numbers; {count} wanted"
         raise groups[group][0].fault(message, id="FE-289")
+    if not all(abs(value) < LARGEST_NUMBER for value in values):
+        message = f"record group {group} holds a number that is not finite, or above {LARGEST_NUMBER:g}"
+        raise groups[group][0].fault(message, id="FE-331")
     return values

@@ -5,13 +5,17 @@ import struct
 import tracemalloc
 from pathlib import Path
 
+import numpy as np
 import pytest
+from click.testing import CliRunner
 
+from flexmb_cli.cli.modes import modes
 from flexmb_cli.fe.formats import file_text
 from flexmb_cli.fe.formats.connectivity import read_elements
 from flexmb_cli.fe.formats.formats import read_matrix
-from flexmb_cli.fe.formats.matrix_file import FEFileFault
+from flexmb_cli.fe.formats.matrix_file import FEFileFault, MatrixFile
 from flexmb_cli.fe.formats.node_table import read_node_table
+from flexmb_cli.fe.nodal_matrices import nodal_part
 
 LONG = "9" * 5000  # int() of Python refuses more than 4300 digits by an exception of its own
 HUGE = "99999999999999999999"  # more than int64 holds
@@ -173,3 +177,32 @@ def test_a_file_without_a_length_is_empty(name):
         assert file_text.bytes_of(Path(name)) == b""
     except FEFileFault as fault:
         assert "cannot be read: " in str(fault)  # by others than root
+
+
+BEAM = (
+    "GRID,1,,0.,0.,0.\nGRID,2,,.3,0.,0.\nPBAR,8,1,2.-4,1.-8,{0},1.-8\nCBAR,2,8,1,2,0.,0.,{1}\n"
+    "MAT1,1,2.+9,,.3,1000.\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("inertia", "upward", "words"), [("1.+308", "1.", "not finite"), ("2.-8", "1.+999", "along the beam")]
+)
+def test_beams_whose_products_overflow_are_refused(tmp_path, inertia, upward, words):
+    (tmp_path / "x.bdf").write_text(BEAM.format(inertia, upward))
+    text = (
+        "VSDF x\nBODY\n    1 FLEX    4\nFEMN\n    1 BDF  x.bdf\nMATL\n    1     2e+09       0.3    1000.0\n"
+    )
+    (tmp_path / "x.vsdf").write_text(f"{text}TIME\n0.01,0.005\nEND\nSTAR\nSTOP\n")
+    done = CliRunner().invoke(modes, [str(tmp_path / "x.vsdf")])
+    assert done.exit_code == 2
+    assert words in done.output
+
+
+def test_rows_of_rotations_without_entries_are_none_of_the_next_node():
+    """Nodes 1 and 2, translations of both in tension, and a row of a rotation of the first that holds 0."""
+    labels = np.array([*((n, c) for n in (1, 2) for c in (1, 2, 3)), (1, 4)])
+    values = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 0.0])
+    file = MatrixFile(7, np.arange(7), np.arange(7), values, True, labels)
+    part = nodal_part("M", file, np.array([1, 2]))
+    assert np.diag(np.asarray(part.matrix)).tolist() == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
