@@ -195,8 +195,8 @@ def in_rows(
         raise FEFileFault(f"{name} {message}; export all of them from one model", id="FE-330")
     place = np.array([at.get(tuple(label), -1) for label in labels.tolist()])
     there = np.flatnonzero(place >= 0)
-    whole, full = np.zeros((len(labels), len(labels))), as_array(full_matrix(name, file))
-    whole[np.ix_(there, there)] = full[np.ix_(place[there], place[there])]
+    whole, full = np.zeros((len(labels), len(labels))), full_matrix(name, file)
+    whole[np.ix_(there, there)] = as_array(full[place[there]][:, place[there]])
     return whole, place
 
 

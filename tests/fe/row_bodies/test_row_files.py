@@ -4,12 +4,16 @@ Expected: flapwise frequencies of rotating cantilevers (Wright, Smith, Thresher 
 (1982), 197); D = Φ' B Φ of B in proportion to K; a damper that resists a rigid rotation resists nothing else.
 """
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 from scipy.linalg import eigh
 
 from flexmb_cli.errors import ModelError
+from flexmb_cli.fe.formats.matrix_file import MatrixFile
+from flexmb_cli.fe.rows import in_rows
 from tests.fe.elements.test_beams import matrices
 from tests.fe.row_bodies.row_decks import FILES, body_of, free_deck, market_deck
 from tests.fe.trusses import write_matrix
@@ -109,3 +113,16 @@ def test_rows_of_a_damper_that_the_body_lacks_are_named(tmp_path):
     files = "BDF beam_n6.pch", "DMIG beam_n6.pch", "DMIG beam_n6.pch"
     with pytest.raises(ModelError, match="1 rows that mass and stiffness lack: node 103, component 5"):
         body_of(free_deck(FILES, *files, more=cards))
+
+
+def test_a_damper_in_a_file_of_many_empty_rows_takes_little_memory():
+    """A file of 120,000 rows, one of which holds a number, for a body with the rows of two nodes."""
+    numbers = np.arange(1, 20_001)
+    labels = np.array([(n, c) for n in (1, 2) for c in range(1, 7)])
+    file = MatrixFile(120_000, np.array([7]), np.array([7]), np.array([3.5]), True)
+    tracemalloc.start()
+    damping, _ = in_rows("B.mtx", file, numbers, labels)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert damping[7, 7] == damping.sum() == 3.5
+    assert peak < 100e6
