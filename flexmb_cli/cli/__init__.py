@@ -97,7 +97,7 @@ COMMANDS = {
     "convert": "Write the model of DECK, or of a URDF or MJCF file, for...",
     "sensitivity": "Print the derivatives of quantities of a DECK's run by numbers...",
     "sweep": "Solve the variants of a deck that STUDY (TOML) describes, and...",
-    "fit": "Find numbers of a deck so that its results meet the...",
+    "fit": "Find numbers of a deck so that its results meet targets.",
     "new": "Ask for the data of a deck, number by number, and write a deck...",
     "beam": "Write the finite-element block of a beam to standard output.",
     "examples": "List the supplied decks, or copy those named, with the files...",

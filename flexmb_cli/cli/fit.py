@@ -38,9 +38,9 @@ if TYPE_CHECKING:
 def fit(
     study: str, output: str | None, parts: str | None, force: bool, as_json: bool, quiet: bool, **options: Any
 ) -> None:
-    """Find numbers of a deck so that its results meet the targets of STUDY (TOML).
+    """Find numbers of a deck so that its results meet targets.
 
-    STUDY names unknown numbers with bounds, and targets (a path, a measured column, a frequency) or an
+    STUDY (TOML) names unknown numbers with bounds, and targets (a path, a measured column, a frequency) or an
     objective that is least, with constraints.  Every variant goes into a table; flexmb report draws it.
     Give the same command again to continue a fit that was stopped: it ends with the same numbers.
 
