@@ -45,7 +45,7 @@ def open_managed(path: str, flags: int, shown: str = "", folder: int | None = No
 
 
 def refuse_unsafe(path: str, shown: str = "", folder: int | None = None) -> None:
-    """Raise UnsafePlace where `path` exists and is no regular file with a single name."""
+    """Raise UnsafePlace where `path` exists and is not a regular file with a single name."""
     try:
         status = os.stat(path, dir_fd=folder, follow_symlinks=False)
     except OSError:
@@ -58,7 +58,7 @@ def _refuse(found: Any, shown: str) -> None:
         raise UnsafePlace(f"{shown}: it is a link, which is not followed; remove it", id="FLEXMB-001")
     if not stat.S_ISREG(found.st_mode):
         raise UnsafePlace(
-            f"{shown}: it is no regular file, but a folder, a pipe or a device; remove it", id="FLEXMB-002"
+            f"{shown}: it is not a regular file, but a folder, a pipe or a device; remove it", id="FLEXMB-002"
         )
     if found.st_nlink > 1:
         raise UnsafePlace(

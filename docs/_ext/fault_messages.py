@@ -112,7 +112,7 @@ WORDS = {
     "YOUNG-020": f"… {NUMERAL}",
     "YOUNG-021": TAKEN_FOR,
     "YOUNG-025": "…: … coordinates, … equations, … too many / too few",
-    "YOUNG-031": "… numbers are expected (… … …), … is no number of this table… / "
+    "YOUNG-031": "… numbers are expected (… … …), … is not a number of this table… / "
     "… numbers are expected (… … …), … are there…",
     "YOUNG-056": f"… {NUMERAL}",
     "YOUNG-057": TAKEN_FOR,

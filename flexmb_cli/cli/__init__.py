@@ -251,7 +251,7 @@ def _run_command() -> None:
 
 def _end_stopped(how: str, exit_code: int) -> None:
     """Commands that keep something when they are stopped have their own words for it and end themselves."""
-    _notify(f"flexmb: {how}; what was not complete is not written")
+    _notify(f"flexmb: {how}; incomplete results are not written")
     _print_json(exit_code)
     sys.exit(exit_code)
 
@@ -262,7 +262,7 @@ def _refuse_lack(fault: Any) -> None:
         raise fault
     said = lack_of_memory_text(fault)
     if said == LACK_OF_MEMORY:
-        said = f"{said}; what was not complete is not written"
+        said = f"{said}; incomplete results are not written"
     _notify(f"flexmb: error: {said}")
     _print_json(ANALYSIS_FAILED, Fault("error", said, id="CLI-001"))
     sys.exit(ANALYSIS_FAILED)

@@ -68,7 +68,7 @@ def diff(
     if options["deck"] and not options["explain"]:
         raise WrongCall("--deck goes with --explain", id="CLI-018")
     if update and "-" in (a, b):
-        raise WrongCall("--update copies files; standard input is none", id="CLI-019")
+        raise WrongCall("--update copies files; standard input is not a file", id="CLI-019")
     many = is_many(a), is_many(b)
     _refuse_unlike(a, b, many)
     tolerances = _tolerances(options)

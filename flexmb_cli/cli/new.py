@@ -123,7 +123,7 @@ class _Talk:
         if not self.keeps_draft:
             notify(
                 f"{self.draft}: note: the draft of an earlier call is left alone: answers through a pipe "
-                "begin anew; --draft continues it"
+                "begin again; --draft continues it"
             )
             return Dialogue(form)
         try:
@@ -131,7 +131,7 @@ class _Talk:
         except DeckError as failure:
             click.echo(compiler_style(self.draft, failure.faults), err=True)
             sys.exit(failure.exit_code)
-        notify(f"{self.draft}: continuing with {len(dialogue.values)} answers; --restart begins anew")
+        notify(f"{self.draft}: continuing with {len(dialogue.values)} answers; --restart begins again")
         return dialogue
 
     @property

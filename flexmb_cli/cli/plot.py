@@ -108,7 +108,7 @@ def plot(
             "the table of a study has no times: --with, --x, --from, --to, --every and --units", id="CLI-029"
         )
     if not study and options["kind"] != "auto":
-        message = f"--kind {options['kind']} is for tables of studies, and {result} is none"
+        message = f"--kind {options['kind']} is for tables of studies, but {result} is not one"
         raise WrongCall(message, id="CLI-030")
     refuse_inputs(output, [result, *options["others"]])
     notices = Notices("result", result, quiet, as_json)
@@ -202,7 +202,7 @@ def _drawn(
         raise WrongCall(f"{', '.join(given)}: for pictures of print; give --width, too", id="CLI-032")
     if "://" in options["style"]:
         raise WrongCall(
-            f"--style {options['style']}: a file wanted; nothing is fetched from a network", id="CLI-033"
+            f"--style {options['style']}: give a file; nothing is fetched from a network", id="CLI-033"
         )
     look = None
     try:
@@ -219,7 +219,7 @@ def _drawn(
 
 def _unknown_font(look: "Look | None", family: str) -> Fault:
     option = f"--style {look.style}: font" if look and family != look.font else "--font"
-    message = f"{option} {family}: no such font is installed; matplotlib's own is taken"
+    message = f"{option} {family}: no such font is installed; matplotlib's own is used"
     return Fault("warning", message, id="CLI-011")
 
 
@@ -251,10 +251,11 @@ def _source(
             path, f"nothing to draw over {abscissa[0].name}: name another quantity", id="CLI-007"
         )
     notices.add(remarks(file), path)
-    notices.add([Fault("note", f"{cut}; NAMEs draw others", id="CLI-012") for cut in chosen.cut], path)
+    cuts = [Fault("note", f"{cut}; give NAMEs to draw others", id="CLI-012") for cut in chosen.cut]
+    notices.add(cuts, path)
     still = () if names else still_energies(file)
     if still:
-        message = f"not drawn, for they do not change: {', '.join(still)}"
+        message = f"not drawn, since they do not change: {', '.join(still)}"
         notices.add([Fault("note", message, id="CLI-013")], path)
     window = slice(rows.start, rows.stop, rows.step)
     return Source(label, file, window, abscissa[0], quantities, energies_change=not names)

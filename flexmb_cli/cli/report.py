@@ -48,7 +48,7 @@ class Interval(click.ParamType):  # type: ignore[type-arg]
         try:
             low, high = map(float, parts)
         except ValueError:
-            self.fail(f"{value!r}: two numbers are wanted, such as 0,1e8", param, ctx)
+            self.fail(f"{value!r}: expected two numbers, such as 0,1e8", param, ctx)
         if not (math.isfinite(low) and math.isfinite(high) and low < high):
             self.fail(f"{value!r}: the first number must be smaller than the second", param, ctx)
         return low, high
@@ -145,7 +145,7 @@ def _body_look(looks: dict[str, Any]) -> "BodyLook":
 
     colours, ends = looks["colours"], looks["ends"]
     if colours not in COLOURS:
-        raise WrongCall(f"--colours {colours}: wanted is one of: {', '.join(COLOURS)}", id="CLI-039")
+        raise WrongCall(f"--colours {colours}: choose one of: {', '.join(COLOURS)}", id="CLI-039")
     if ends and colours == OWN_COLOURS:
         raise WrongCall("--range: bodies that have a colour each show no values", id="CLI-040")
     return BodyLook(colours, ends, looks["scale"], looks["wishes"])
@@ -192,7 +192,7 @@ def _film_look(looks: dict[str, Any], bodies: "BodyLook", form: str) -> "FilmLoo
     width, height = map(int, match.groups()) if match else (0, 0)
     if not (64 <= width <= 4096 and 64 <= height <= 4096):
         raise WrongCall(
-            f"--size {looks['size']}: two numbers from 64 to 4096 wanted, such as 960x540", id="CLI-044"
+            f"--size {looks['size']}: expected two numbers from 64 to 4096, such as 960x540", id="CLI-044"
         )
     rate = min(looks["fps"], MOST_OF_GIFS) if form == "gif" else looks["fps"]
     # Video has whole blocks of two pixels.

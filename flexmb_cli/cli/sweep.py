@@ -169,7 +169,7 @@ def _solve(made: "Sweep", notices: Notices, options: dict[str, Any]) -> None:
         # Its rows may be anything that another user wrote into the prepared folder.
         if made.job.parts.is_of_another_user():
             folder = made.job.parts_folder
-            message = f"{folder} is of another user, whose cases are taken; with --fresh none are"
+            message = f"{folder} belongs to another user; its cases are used, with --fresh none are"
             notices.add([Fault("warning", message, id="STUDY-030")])
     try:
         with Progress(notices.file, "cases", notices.quiet, options["verbose"]) as progress:

@@ -325,7 +325,7 @@ def from_draft(form: Form, text: str) -> Dialogue:
     except (ValueError, TypeError, KeyError, AttributeError):
         dialect, good = "", False
     if not good or dialect != form.dialect:
-        what = f"a draft of a {dialect} deck" if good else "no draft of a deck"
+        what = f"a draft of a {dialect} deck" if good else "not a draft of a deck"
         raise DeckError(
             [Fault("error", f"this is {what}; --restart puts a new {form.dialect} draft here", id="DECK-004")]
         )

@@ -149,7 +149,7 @@ def _meant_instead(path: Path) -> str:
 def _refuse_other_kind(raw: bytes, what: str) -> None:
 
     if kind := kind_of_file(raw):
-        raise DeckError([Fault("error", f"this is no {what} but {kind}", id="DECK-040")])
+        raise DeckError([Fault("error", f"this is not a {what} but {kind}", id="DECK-040")])
     _refuse_nul(raw, what)
 
 

@@ -19,7 +19,7 @@ def apply_settings(deck: Deck, settings: list[str]) -> Deck:
     """`deck` with the numbers named in `settings` ("driver.1.B=6.28") set; the last of two wins.
 
     A number set has no place in the deck any more.  Raises DeckError with the fault of every
-    setting: an unknown name, a count (the deck's layout hangs on it), no number, no integer.
+    setting: an unknown name, a count (the deck's layout depends on it), no number, no integer.
     """
     return SettableDeck(deck).with_settings(settings) if settings else deck
 
@@ -135,7 +135,7 @@ class SettableDeck:
         if place is None:
             raise _Unusable(self.unknown(name), id="DECK-058")
         if name.startswith(f"{COUNTS}."):
-            raise _Unusable("a count cannot be set: the deck's layout hangs on it", id="DECK-059")
+            raise _Unusable("a count cannot be set: the deck's layout depends on it", id="DECK-059")
         return name, self._read(name, self.deck.records[place[0]].at(place[1]), word)
 
     @staticmethod

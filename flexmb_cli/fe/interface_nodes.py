@@ -122,7 +122,7 @@ def mean_motion(one: InterfaceNode, positions: np.ndarray) -> np.ndarray:
     `positions` (k, 3), m; all in the same axes.  Raises FEFileFault if the nodes lie on one line.
     """
     if not min(one.weights) > 0.0:
-        message = f"a weight of interface node {one.node} is {min(one.weights):g}; above zero wanted"
+        message = f"a weight of interface node {one.node} is {min(one.weights):g}; it must be above zero"
         raise FEFileFault(message, id="FE-270")
     weights = np.array(one.weights) / np.sum(one.weights)
     centre = weights @ positions
@@ -131,7 +131,7 @@ def mean_motion(one: InterfaceNode, positions: np.ndarray) -> np.ndarray:
     principal = np.linalg.eigvalsh(inertia)
     if not principal[0] > LEAST_SPREAD * principal[-1]:
         message = (
-            f"the nodes of interface node {one.node} lie on one line, or at one place: no rotation is theirs"
+            f"the nodes of interface node {one.node} lie on one line, or at one place: they have no rotation"
         )
         raise FEFileFault(message, id="FE-266")
     motion = np.zeros((6, 3 * len(arms)))

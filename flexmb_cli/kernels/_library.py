@@ -57,7 +57,7 @@ def packaged() -> AddressOf | None:
         # The interpreter stays locked, as in a call of numba's.
         library = ctypes.PyDLL(str(path))
     except OSError as fault:
-        note_once(unusable, f"{path} cannot be loaded ({fault}): kernels are compiled; install flexmb anew")
+        note_once(unusable, f"{path} cannot be loaded ({fault}): kernels are compiled; reinstall flexmb")
         return None
     return lambda symbol: ctypes.addressof(ctypes.c_char.in_dll(library, symbol))
 

@@ -71,7 +71,7 @@ def steps_at_limit(clock: "np.void", methods: str) -> list[Fault]:
         return []
     message = (
         f"of {clock['steps']} steps about {min(4 * clock['stiff'], clock['steps'])} are as long as the "
-        "stability of the explicit method allows: the fastest vibrations rule them, and errors may exceed "
+        "stability of the explicit method allows: the fastest vibrations limit them, and errors may exceed "
         f"the tolerance a thousandfold; take {methods}, or a tolerance a hundred times as small"
     )
     return [Fault("warning", message, id="SOLVE-060")]

@@ -374,7 +374,7 @@ CONTACT = Law(
         Parameter("exponent", "power of the depth", default=1.0, above=0.5),
         Parameter("damping", "share of the force that a rate of 1 adds", 0, -1, 1, 0.0),
         Parameter("friction", "coefficient of sliding friction", default=0.0),
-        Parameter("static", "coefficient of static friction, where it is larger", default=0.0),
+        Parameter("static", "coefficient of static friction, if it is larger", default=0.0),
         Parameter("stribeck", "speed in which one fades into the other", 0, 1, -1, 1e-2, above=LEAST_SPEED),
         Parameter("creep", "speed in which friction rises from 0", 0, 1, -1, 1e-3, above=LEAST_SPEED),
         Parameter("rolling", "lever of the normal force that resists rolling", 0, 1, 0, 0.0),

@@ -140,7 +140,7 @@ def uneven_masses(bodies: Sequence[tuple[str, float]]) -> str:
         return ""
     return (
         f"the masses of {heavy} and {light} are {most:g} and {least:g} kg, in a ratio of {most / least:.0e}, "
-        "at which round-off rules the lighter one; give it more mass, or leave it out"
+        "at which round-off dominates the lighter one; give it more mass, or leave it out"
     )
 
 

@@ -272,7 +272,7 @@ class ResumeFile:
         except LargePayload as found:
             message = (
                 f"--resume: {self.path} has an entry of {found.length} bytes, but entries of this run have "
-                f"at most {most}; run without --resume to start anew"
+                f"at most {most}; run without --resume to start again"
             )
             raise ModelError([Fault("error", message, id="RUN-069")]) from found
 
@@ -323,7 +323,7 @@ class ResumeFile:
         changes = "; ".join(
             f"{name} was {_shown(found.get(name))}, is {_shown(self.identity[name])}" for name in names
         )
-        return f"--resume: {self.path} is of another run: {changes}; run without --resume to start anew"
+        return f"--resume: {self.path} is of another run: {changes}; run without --resume to start again"
 
 
 def _is_blank(head: bytes) -> bool:

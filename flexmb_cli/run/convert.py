@@ -90,15 +90,15 @@ def _of_robot(path: str, form: str, options: tuple[Any, ...], outcome: Outcome) 
         line, column = error.position
         reported = str(error).partition(":")[0]
         place = Place(line, column + 1)
-        raise ModelError([Fault("error", f"this is no XML: {reported}", place, id="RUN-153")]) from None
+        raise ModelError([Fault("error", f"this is not XML: {reported}", place, id="RUN-153")]) from None
     notes: list[Fault] = []
     if top.tag not in ROBOTS.values():
-        message = f"the file begins with <{visible(top.tag)}>; wanted is <robot> or <mujoco>"
+        message = f"the file begins with <{visible(top.tag)}>; expected <robot> or <mujoco>"
         raise ModelError([Fault("error", message, id="RUN-154")])
     try:
         model = (urdf_model if top.tag == "robot" else mjcf_model)(top, notes)
     except ValueError as error:
-        raise ModelError([Fault("error", f"an attribute is no number: {error}", id="RUN-155")]) from None
+        raise ModelError([Fault("error", f"an attribute is not a number: {error}", id="RUN-155")]) from None
     outcome.faults += notes
     dialect = dialect_named(form)
     model = in_units(model, UNITS[SI], UNITS[to_unit])

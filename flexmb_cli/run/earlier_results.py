@@ -22,7 +22,7 @@ _CONVERTED = re.compile(
 
 def _dialect_of(path: str, options: RunOptions) -> str:
     """Return the dialect of a deck by its beginning, "auto" if it has none; its run reports the faults."""
-    # What is no regular file can be read only once.
+    # What is not a regular file can be read only once.
     if options.dialect != "auto" or not os.path.isfile(path):
         return options.dialect
     try:
@@ -80,7 +80,7 @@ class EarlierResults:
             message = f"results of an earlier run are renamed, since this one has none: {', '.join(renamed)}"
             outcome.faults.append(Fault("warning", message, id="RUN-042"))
         if stay := ", ".join(filter(os.path.lexists, files)):
-            message = f"still of an earlier run, and cannot be renamed: {stay}"
+            message = f"left by an earlier run, and cannot be renamed: {stay}"
             outcome.faults.append(Fault("warning", message, id="RUN-072"))
 
 

@@ -12,7 +12,7 @@ WRONG = 1e-3  # share of what moves: errors of the steps are a thousandth of tha
 ENERGY_ROUND_OFF = 1e-12  # of the total
 UNSEEN = 1e-7  # of the potential energy: a mechanism all but at rest has only errors of the steps
 STRAYS = (
-    "which the equations keep constant: the motion is wrong from where it begins to stray (energy/total); "
+    "which the equations keep constant: the motion is wrong from the row at which it drifts (energy/total); "
 )
 OF_TREES = (
     "a loop that passes a singular position, or too coarse a tolerance; compare with a finer TOLR and with "

@@ -43,7 +43,7 @@ def restore(resume_file: ResumeFile, analysis: Any, layout: Layout) -> None:
     except OtherRun as found:
         message = (
             f"--resume: {resume_file.path} holds {found.args[0]!r} that this run cannot have written; "
-            "run without --resume to start anew"
+            "run without --resume to start again"
         )
         raise ModelError([Fault("error", message, id="RUN-040")]) from found
 

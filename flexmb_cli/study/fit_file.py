@@ -250,7 +250,7 @@ class _FitReader(StudyReader):
         columns = [item.get("time", "time"), *([names] if isinstance(names, str) else names)]
         path = os.path.join(self.folder, item["file"])
         if not os.path.isfile(path):  # a pipe would be waited for
-            raise ValueError(f"{item['file']} is no regular file")
+            raise ValueError(f"{item['file']} is not a regular file")
         with open(path, encoding="utf-8", newline="") as file:
             text = file.read(2**26)
         table = [row for row in csv.reader(text.splitlines()) if row and not row[0].startswith("#")]

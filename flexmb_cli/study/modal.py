@@ -18,7 +18,7 @@ _MODE = re.compile(r"(\d+)(?:\s+at\s+(\S+)|\s+(equilibrium))?")
 def modal_quantity(item: Kept, faults: list[Fault]) -> Quantity | None:
     """Return the quantity of a result: `frequency 1`, `damping 2 equilibrium` or `frequency 1 at 0.5`."""
     if _wish(item) is None:
-        message = "names the number of a mode and, where it is linearised: frequency 1, damping 2 equilibrium"
+        message = "names a mode by its number, then its state: frequency 1, damping 2 equilibrium"
         faults.append(Fault("error", message, item.place, f"result {item.name}", id="STUDY-116"))
         return None
     unit = "Hz" if item.take == FREQUENCY else "1"

@@ -207,7 +207,7 @@ class StudyReader:
         try:
             return formula(text)
         except WrongFormula as fault:
-            self._fault(name, f"{text!r} is no formula: {fault}", id="STUDY-114")
+            self._fault(name, f"{text!r} is not a formula: {fault}", id="STUDY-114")
             return None
 
     def _entries(self, key: str) -> list[Any]:
@@ -314,7 +314,7 @@ class StudyReader:
             start, end = 1.0, 0.0
         if not start < end or ((window[2] or window[3]) and take in (SERIES, *MODAL)):
             message = (
-                'a time in which a number is taken is written "max body.3.z from 0.5 to 2"; none of a series'
+                'write the time in which a number is taken as "max body.3.z from 0.5 to 2"; a series has none'
             )
             self._fault(name, message, id="STUDY-115")
             return None

@@ -268,7 +268,7 @@ class CaseSolver:
 def _reported(fault: Exception) -> tuple[int, str]:
     """Exit code and message of a case that ended of what no deck should bring about."""
     if lacks_memory(fault):
-        return ANALYSIS_FAILED, f"{LACK_OF_MEMORY}; `sweep --fresh` solves the study anew"
+        return ANALYSIS_FAILED, f"{LACK_OF_MEMORY}; `sweep --fresh` solves the study again"
     # What the exception says may hold a path, and a result must not.
     remedy = "`flexmb --debug run` with these numbers shows where"
     return INTERNAL_FAULT, f"a fault of flexmb itself: {type(fault).__name__}; {remedy}"

@@ -206,7 +206,7 @@ def readable_deck(path: str, study: Study) -> DeckText:
         if os.path.exists(path) and not os.path.isfile(path):
             # A pipe would be waited for: the study, which may be untrusted, chose the name.
             raise DeckError(
-                [Fault("error", "is no regular file, but a folder, a pipe or a device", id="STUDY-018")]
+                [Fault("error", "is not a regular file, but a folder, a pipe or a device", id="STUDY-018")]
             )
         text = open_text(path, study.dialect)
     with reported_at(path, text.lines):

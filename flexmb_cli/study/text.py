@@ -174,7 +174,7 @@ def _rows(table: h5py.File, columns: Sequence[StudyColumn], cases: slice) -> lis
 def study_notes(table: h5py.File, columns: Sequence[StudyColumn], named: bool) -> list[Fault]:
     """Return notes on what the text leaves out: series that were not named, and cases that failed."""
     series = [column.name for column in study_columns(table) if column.length]
-    message = f"series are shown where they are named: {', '.join(series)}"
+    message = f"name a series to see it: {', '.join(series)}"
     notes = [] if named or not series else [Fault("note", message, id="STUDY-055")]
     return notes if any(column.path == MESSAGE for column in columns) else [*notes, *failed_notes(table)]
 

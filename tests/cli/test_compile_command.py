@@ -104,7 +104,7 @@ def test_the_list_says_what_is_not_used(version):
     _cache.keep(version, "d_public", b"code")
     (version / "d_public.object").chmod(0o666)
     *shown, last, _ = [line.removeprefix(f"{version}/") for line in listed()]
-    assert shown[0].startswith("a_pipe.object  not used: it is no regular file, but a folder, a pipe")
+    assert shown[0].startswith("a_pipe.object  not used: it is not a regular file, but a folder, a pipe")
     assert shown[1].startswith("b_link.object  not used: ")
     assert shown[2:] == [
         "c_damaged.object  not used: it is damaged",

@@ -119,4 +119,4 @@ def test_a_pipe_in_the_place_of_a_copy_is_refused_at_once(tmp_path):
     """`--force` waited for its reader for ever (POSIX, open)."""
     os.mkfifo(tmp_path / "IN4-BAR.dat")
     done = flexmb(tmp_path, "examples", "IN4-BAR", "--force")
-    assert done.returncode == 2 and "no regular file, but a pipe or a device" in done.stderr
+    assert done.returncode == 2 and "not a regular file, but a pipe or a device" in done.stderr

@@ -46,7 +46,7 @@ def test_more_rows_than_there_are_leave_the_first(result, study):
         ((*BEAM, "--length", "1e300", "--ei", 1, "--nodes", 3), "is not in the range"),
         ((*BEAM, "--length", "1e-320", "--ei", 1, "--nodes", 3), "is not in the range"),
         ((*BEAM, "--length", 1, "--ei", "inf", "--nodes", 3), "is not in the range"),
-        ((*BEAM, "--length", 1, "--ei", 1, "--nodes", 3, "--offset", "nan"), "is no finite number"),
+        ((*BEAM, "--length", 1, "--ei", 1, "--nodes", 3, "--offset", "nan"), "is not a finite number"),
         (
             ("modes", DECKS / "dafms/pendulum.DAT", "--at", "1e300"),
             "--at 1e+300: later than 100000 of the deck's steps; ask for an earlier time",

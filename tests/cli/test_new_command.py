@@ -133,7 +133,7 @@ def test_what_is_no_draft_is_refused_and_left_alone(tmp_path):
     (tmp_path / "IN-NEW.dat.draft").write_text("my own notes\n")
     done = piped("--draft", lines=answers(), cwd=tmp_path)
     assert done.returncode == 2
-    assert "IN-NEW.dat.draft: error: this is no draft of a deck" in done.stderr
+    assert "IN-NEW.dat.draft: error: this is not a draft of a deck" in done.stderr
     assert (tmp_path / "IN-NEW.dat.draft").read_text() == "my own notes\n"
 
 

@@ -176,7 +176,7 @@ def test_a_slip_of_the_hand_is_answered_with_what_is_meant(flexmb, tmp_path):
         ("run", "IN4-BAR.dta"): "IN4-BAR.dta: error: no such file; is IN4-BAR.dat meant?",
         ("check", "time.step=1"): "no such file; is it a number to change, --set time.step=1?",
         ("run", "OUT4-BAR.h5"): "this is named like a result; give the deck it was computed from",
-        ("check", "OUT4-BAR.h5"): "this is no deck but an HDF5 file, as results are; flexmb table",
+        ("check", "OUT4-BAR.h5"): "this is not a deck but an HDF5 file, as results are; flexmb table",
         (
             "run",
             "OUT4-BAR.dat",
@@ -235,8 +235,8 @@ def test_a_decimal_comma_in_an_option_gets_its_remedy(flexmb):
 @pytest.mark.parametrize(
     ("width", "reported"),
     [
-        ("3.5 inch", "3.5 inch is no width: give millimetres, such as 85, or 8.5cm, 3.5in"),
-        ("3,5in", "3,5in is no width"),
+        ("3.5 inch", "3.5 inch is not a width: give millimetres, such as 85, or 8.5cm, 3.5in"),
+        ("3,5in", "3,5in is not a width"),
         ("0.5in", "12.7 is not in the range 20<=x<=1000"),  # 0.5 · 25.4 mm
     ],
 )

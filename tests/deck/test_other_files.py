@@ -30,7 +30,7 @@ def a_zip_archive():
     ],
 )
 def test_another_kind_of_file_is_named(raw, kind):
-    with pytest.raises(DeckError, match=f"^this is no deck but {kind}"):
+    with pytest.raises(DeckError, match=f"^this is not a deck but {kind}"):
         decode("IN.dat", raw)
 
 

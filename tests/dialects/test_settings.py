@@ -48,7 +48,7 @@ def test_a_number_called_by_a_word_of_its_meaning_comes_first():
 
 def test_a_count_cannot_be_set():
     assert refused("counts.NBODY=3") == [
-        "--set counts.NBODY=3: a count cannot be set: the deck's layout hangs on it"
+        "--set counts.NBODY=3: a count cannot be set: the deck's layout depends on it"
     ]
 
 

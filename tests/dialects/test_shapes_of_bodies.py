@@ -137,7 +137,7 @@ def test_every_number_of_a_shape_is_echoed(folder, name):
         ("STL none.stl 1 1", r"5: error: shape_file 1: none.stl: no such file"),
         ("STL sub/wedge.stl 1 0", r"21: error: shape_file 1: the unit must be above zero"),
         ("STL sub/wedge.stl", r"1: error: shape_file 1: STL takes 3 to 9 words \(file body unit"),
-        ("MASS 1 1 0 0 0 1 1 1", r"1: error: MASS is no shape; DYNAMICS in place of GEOMETRY opens"),
+        ("MASS 1 1 0 0 0 1 1 1", r"1: error: MASS is not a shape; DYNAMICS in place of GEOMETRY opens"),
     ],
 )  # fmt: skip
 def test_wrong_cards_of_young_are_refused_at_their_place(folder, card, words):

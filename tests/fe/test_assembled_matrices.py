@@ -149,7 +149,7 @@ def test_elements_of_different_numbers_on_the_same_nodes_are_told(tmp_path):
 def test_two_types_of_one_number_of_nodes_are_refused(tmp_path):
     """All elements were taken for those of the first type."""
     said = refused(tmp_path, "C3D8", lambda text: text.replace(SECOND, "*ELEMENT, TYPE=C3D8I\n" + SECOND))
-    assert "b.inp mixes elements of types C3D8 and C3D8I; one type is wanted" in said
+    assert "b.inp mixes elements of types C3D8 and C3D8I; use one type" in said
 
 
 def test_elements_that_need_hourglass_forces_are_refused(tmp_path):

@@ -41,7 +41,7 @@ MATRICES = [
     (
         "MM",
         "%%MatrixMarket vector coordinate real general\n",
-        "x, line 1: %%MatrixMarket matrix coordinate|array real general|symmetric wanted",
+        "x, line 1: expected %%MatrixMarket matrix coordinate|array real general|symmetric",
     ),
     ("MM", MM + "% no size\n", "x ends before the line of its size"),
     ("MM", MM + "3 4 1\n1 1 1.0\n", "x, line 2: the matrix must be square; it has 3 rows, 4 columns"),
@@ -52,29 +52,37 @@ MATRICES = [
         MM + "3 3 1\n1 2 1.0\n",
         "x, line 3: an entry above the diagonal, while the file declares a lower triangle",
     ),
-    ("MM", MM + "3 3 1\n1 1 1.O\n", "x, line 3: row, column and value wanted; '1.O' is no finite number"),
-    ("MM", MM + "3 3 1\n1 1 nan\n", "x, line 3: row, column and value wanted; 'nan' is no finite number"),
-    ("MM", MM + "3 3 1\n1 1\n", "x, line 3: row, column and value wanted, 3 numbers; read '1 1'"),
+    (
+        "MM",
+        MM + "3 3 1\n1 1 1.O\n",
+        "x, line 3: expected row, column and value; '1.O' is not a finite number",
+    ),
+    (
+        "MM",
+        MM + "3 3 1\n1 1 nan\n",
+        "x, line 3: expected row, column and value; 'nan' is not a finite number",
+    ),
+    ("MM", MM + "3 3 1\n1 1\n", "x, line 3: expected row, column and value, 3 numbers; read '1 1'"),
     ("MM", MM + "3 3 1\n1.5 1 2.0\n", "x, line 3: row and column must be whole numbers"),
     ("HB", "too short\n", "x ends before the fourth line of a Harwell-Boeing heading"),
     (
         "HB",
         HB.replace("RSA", "CSA"),
-        "x, line 3: the matrix is of type CSA; RSA (symmetric) or RUA, assembled and real, wanted",
+        "x, line 3: the matrix is of type CSA; expected RSA (symmetric) or RUA, assembled and real",
     ),
     (
         "HB",
         HB.replace(
             "RSA                        2             2", "RSA                        3             3"
         ),
-        "x, lines 5-7: 4 numbers wanted, 3 found in fields of 14 columns (line 4)",
+        "x, lines 5-7: expected 4 numbers, read 3 in fields of 14 columns (line 4)",
     ),
     ("HB", HB[:-26], "x ends at line 10, 1 lines too early"),
     (
         "HB",
         HB.replace("1.000000000000000D+00", "1.000000000000000X+00"),
-        "x, line 10: '1.000000000000000X+00' is no number; fields are 25 columns wide by the format of line "
-        "4: are they wider or narrower here?",
+        "x, line 10: '1.000000000000000X+00' is not a number; fields are 25 columns wide by the format of "
+        "line 4: are they wider or narrower here?",
     ),
     ("HB", HB.replace("(1I14)", "(none)", 1), "x, line 4: no FORTRAN format in '(none)'"),
     (
@@ -101,30 +109,30 @@ MATRICES = [
     (
         "ABQ",
         "1,1, 1,1\n",
-        "x, line 1: row node, row direction, column node, column direction, value wanted, or row, column, "
+        "x, line 1: expected row node, row direction, column node, column direction, value, or row, column, "
         "value, by commas or blanks",
     ),
     (
         "ABQ",
         "** comment\n1,1, 1,1, 2.0\n** comment\n1,1, x,1, 2.0\n",
-        "x, line 4: row node, direction, column node, direction, value wanted; 'x' is no finite number",
+        "x, line 4: expected row node, direction, column node, direction, value; 'x' is not a finite number",
     ),
     ("DMIG", "GRID, 1,, 0., 0., 0.\n", "x holds no DMIG card"),
     ("DMIG", DMIG_COLUMN, "x, line 1: DMIG KAAX begins without its header card"),
     (
         "DMIG",
         DMIG_HEAD.replace("6", "9"),
-        "x, line 1: DMIG KAAX has form 9; 6 (symmetric) or 1 (square) wanted",
+        "x, line 1: DMIG KAAX has form 9; expected 6 (symmetric) or 1 (square)",
     ),
     (
         "DMIG",
         DMIG_HEAD.replace("       2       0", "       4       0"),
-        "x, line 1: DMIG KAAX is complex; real wanted",
+        "x, line 1: DMIG KAAX is complex; it must be real",
     ),
     (
         "DMIG",
         DMIG_HEAD + DMIG_COLUMN + "*                      1               7 1.0\n",
-        "x, line 2: component 7 of point 1: 1 to 6 wanted, 0 at a scalar point",
+        "x, line 2: component 7 of point 1: expected 1 to 6, or 0 at a scalar point",
     ),
     (
         "DMIG",
@@ -135,18 +143,18 @@ MATRICES = [
     (
         "OP4",
         "not a heading\n",
-        "x, line 1: columns, rows, form, type, name and format of an OP4 text matrix wanted",
+        "x, line 1: expected columns, rows, form, type, name and format of an OP4 text matrix",
     ),
     (
         "OP4",
         OP4.replace("       1       1", "       1       2"),
         "x, line 1: the matrix must be square; it has 2 rows, 1 columns",
     ),
-    ("OP4", OP4.replace("       2KAA", "       4KAA"), "x, line 1: the matrix is complex; real wanted"),
+    ("OP4", OP4.replace("       2KAA", "       4KAA"), "x, line 1: the matrix is complex; it must be real"),
     (
         "OP4",
         OP4 + "       1       1       1\n 1.0\n",
-        "x, line 4: column, first row and words wanted; was the file cut off?",
+        "x, line 4: expected column, first row and words; was the file cut off?",
     ),
 ]
 
@@ -179,7 +187,7 @@ MAPPINGS = [
         "1.1\n1.4\n",
         "map, line 2: direction 4 of node 1: only 1, 2, 3 can be used, no rotations",
     ),
-    ("CCX", "CCX", "1.1\n12\n", "map, line 2: node.direction wanted, such as 12.3; read '12'"),
+    ("CCX", "CCX", "1.1\n12\n", "map, line 2: expected node.direction, such as 12.3; read '12'"),
     ("CCX", "CCX", "", "map is empty"),
 ]
 
@@ -196,7 +204,7 @@ def test_mappings_that_cannot_be_used(tmp_path, form, kind, text, message):
 NODES = [
     ("TXT", "# nothing\n", "x holds no nodes in format TXT"),
     ("TXT", "1 0 0 0\n2 1 0 0\n1 0 0 1\n", "x: node 1 stands on lines 1 and 3"),
-    ("TXT", "1 0 zero 0\n", "x, line 1: id x y z wanted; read '1 0 zero 0'"),
+    ("TXT", "1 0 zero 0\n", "x, line 1: expected id x y z; read '1 0 zero 0'"),
     (
         "TXT",
         "NODE X Y Z THXY THYZ THZX\n1 0 0 0 0 0 0\n2 1 0 0 90 0 0\n",
@@ -204,19 +212,19 @@ NODES = [
     ),
     ("TXT", "1 0 inf 0\n", "x, line 1: the position of node 1 is not finite"),
     ("INP", "*NODE PRINT\n1, 0, 0, 0\n", "x holds no nodes in format INP"),
-    ("INP", "*NODE\n1, a, 0, 0\n", "x, line 2: id x y z wanted; read '1 a 0 0'"),
+    ("INP", "*NODE\n1, a, 0, 0\n", "x, line 2: expected id x y z; read '1 a 0 0'"),
     ("CDB", "NBLOCK,6,SOLID\nno format\n", "x, line 2: a format such as (3i9,6e20.13) must follow NBLOCK"),
     (
         "CDB",
         "NBLOCK,6,SOLID\n(3i9,6e20.13)\n        1        0        0 0.0000X\n",
-        "x, line 3: a line of NBLOCK wanted; read '1        0        0 0.0000X'",
+        "x, line 3: expected a line of NBLOCK; read '1        0        0 0.0000X'",
     ),
     (
         "BDF",
         "GRID, 1, 5, 0., 0., 0.\n",
         "x, line 1: GRID: coordinate system 5 is on no card CORD1R ... CORD2S; add it",
     ),
-    ("BDF", "GRID,,, 0., 0., 0.\n", "x, line 1: GRID: the number of the point wanted; read ''"),
+    ("BDF", "GRID,,, 0., 0., 0.\n", "x, line 1: GRID: expected the number of the point; read ''"),
 ]
 
 

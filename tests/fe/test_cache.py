@@ -184,7 +184,7 @@ def test_a_pipe_in_the_place_of_a_matrix_is_refused_not_waited_for(folder):
     fed = threading.Timer(60.0, lambda: os.open(given.mass.path, os.O_RDWR))  # ends the wait, if there is one
     fed.daemon = True
     fed.start()
-    with pytest.raises(ModelError, match="no regular file"):
+    with pytest.raises(ModelError, match="not a regular file"):
         flexible_body(given)
     assert fed.is_alive(), "it waited"
     fed.cancel()

@@ -100,7 +100,7 @@ def test_entries_that_are_no_numbers_are_told_with_their_line(spoilt, tmp_path):
     r, _, M, K = truss(1)
     K[4, 4] = float(spoilt)
     (message,) = reported(tmp_path, r, M, K, modes=3)
-    assert message.endswith(f": row, column and value wanted; '{spoilt}' is no finite number")
+    assert message.endswith(f": expected row, column and value; '{spoilt}' is not a finite number")
 
 
 def test_frequencies_that_no_solid_has_point_to_the_units(tmp_path):

@@ -53,7 +53,7 @@ def test_text_and_binary_give_the_closed_surface(tmp_path, content):
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (b"", "is no STL file"),
+        (b"", "is not an STL file"),
         (binary()[:-1], r"84 \+ 50 × 4 bytes for the 4 triangles that it announces; it has 283"),
         (binary(count=2**32 - 1), "84 .* 4294967295 triangles"),
         (binary(faces=()), "has no triangles"),
@@ -61,10 +61,10 @@ def test_text_and_binary_give_the_closed_surface(tmp_path, content):
         (binary().replace(struct.pack("<f", 3.0), struct.pack("<f", np.nan)), "not finite"),
         (text()[:-20], "does not end with 'endsolid'"),
         (text().replace(b"vertex", b"vortex", 1), "11 corners and 4 triangles"),
-        (text().replace(b"4.000000E+00", b"4.0O"), "a corner that is no number: it reads 4.0O$"),
+        (text().replace(b"4.000000E+00", b"4.0O"), "a corner that is not a number: it reads 4.0O$"),
         (text().replace(b"4.000000E+00", b"\xff" * 90), "it reads \ufffd{40}$"),
         (text().replace(b"4.000000E+00", b"1e999"), "not finite"),
-        (b"\xff" * 10_000, "is no STL file"),
+        (b"\xff" * 10_000, "is not an STL file"),
     ],
 )
 def test_damaged_files_are_refused(tmp_path, content, words):

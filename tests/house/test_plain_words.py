@@ -53,7 +53,23 @@ REPLACED = {
     "(?:what|which) tells": "default selection",
     "not asked for": "left out",
 }
-FORMER = re.compile(rf"(?<![\w-])(?:{'|'.join(REPLACED)})(?![\w-])", re.IGNORECASE)
+# Habits of sentences that a user would read twice; in help texts, messages and pages only.
+HABITS = {
+    "behind": "after; cause of",
+    "wanted": "expected",
+    "else why not": "otherwise it says why",
+    "(?:can|may) be given again": "repeatable",
+    "nothing but errors": "errors only",
+    "(?<!here )(?:is|are|was|were) no(?! longer| more)": "is not a; has no",
+    "says? nothing": "has no effect",
+    "not so": "correct ...",
+    "parted by": "separated by",
+}
+FORMER, HABIT = (
+    re.compile(rf"(?<![\w-])(?:{'|'.join(words)})(?![\w-])", re.IGNORECASE) for words in (REPLACED, HABITS)
+)
+# A sentence that begins with a condition says If; Where begins questions and headings.
+CONDITION = re.compile(r"(?:^|[.:;] )Where\b(?![^.:;|]*\?)", re.MULTILINE)
 # Messages that name the field `kind` of a FUNC card.
 FIELDS_CALLED_KIND = {"DAFMS-086", "VSDF-086"}
 # What is not prose, or not flexmb's own.
@@ -75,6 +91,12 @@ PAGES = [
 
 def former_words(text):
     return [match.group() for match in FORMER.finditer(text)]
+
+
+def read_twice(text):
+    """Former words, and habits of sentences, in a text that users read."""
+    found = [match.group() for pattern in (HABIT, CONDITION) for match in pattern.finditer(text)]
+    return former_words(text) + found
 
 
 def commands(command, name):
@@ -103,19 +125,19 @@ def without_code(text):
 def test_help_texts(name, command):
     text = command.get_help(click.Context(command, info_name=name))
     # The names of options stay, since scripts use them.
-    assert not former_words(" ".join(text.replace("--kind", "").split()))
+    assert not read_twice(" ".join(text.replace("--kind", "").split()))
 
 
 def test_messages_of_faults():
     rows = [line for line in fault_messages.page().splitlines() if line.startswith("| ")]
-    found = {row: former_words(re.sub(r"`[^`]*`", " ", row)) for row in rows}
+    found = {row: read_twice(re.sub(r"`[^`]*`", " ", row)) for row in rows}
     named = {row: words for row, words in found.items() if words and row.split()[1] not in FIELDS_CALLED_KIND}
     assert len(rows) > 400 and not named
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(TOP)))
 def test_documentation(page):
-    assert not former_words(prose(page))
+    assert not read_twice(prose(page))
 
 
 def docstrings_and_comments(module):
@@ -148,3 +170,13 @@ def test_a_former_word_is_found():
     assert former_words("1534 of 3189 numbers differ, 0 things are missing") == ["things are missing"]
     assert former_words("A NAME says what, which, the quantity") == ["says what, which"]
     assert not former_words("degrees of freedom, type of joint")
+
+
+def test_a_habit_is_found():
+    """Messages, help and pages of before (sentences that had to be read twice)."""
+    assert read_twice("x, line 2: whole numbers wanted; read 'a'") == ["wanted"]
+    assert read_twice("METH = 5 is no integrator") == ["is no"]
+    assert read_twice("Behind the last number. Where a body is flexible, say nothing but errors") == [
+        "Behind", "say nothing", ". Where",
+    ]  # fmt: skip
+    assert not read_twice("There is no joint; it is no longer read. Where are the tips?")

@@ -17,7 +17,7 @@ from tests.run.test_prepared_folders import STUDY, impatient
 __all__ = ["impatient"]
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="pipes with names are Unix's")
 DECKS = Path(__file__).resolve().parents[2] / "decks"
-PIPE = "it is no regular file, but a pipe or a device; remove it"
+PIPE = "it is not a regular file, but a pipe or a device; remove it"
 
 
 @pytest.mark.parametrize(

@@ -39,8 +39,8 @@ OBSTACLES = {
         "it is a link, which is not followed",
     ),
     "hard link": (lambda path: os.link("thesis", path), "the file has another name elsewhere"),
-    "pipe": (os.mkfifo, "it is no regular file, but a folder, a pipe or a device"),
-    "folder": (os.mkdir, "it is no regular file, but a folder, a pipe or a device"),
+    "pipe": (os.mkfifo, "it is not a regular file, but a folder, a pipe or a device"),
+    "folder": (os.mkdir, "it is not a regular file, but a folder, a pipe or a device"),
 }
 
 

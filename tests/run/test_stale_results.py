@@ -152,7 +152,7 @@ def test_a_folder_that_cannot_be_changed_is_named(folder, monkeypatch):
     monkeypatch.setattr("flexmb_cli.run.earlier_results.os.rename", refused)
     spoilt()
     (message,) = (f.message for f in run_deck("IN4-BAR.dat", RunOptions()).faults if f.id == "RUN-072")
-    assert message == "still of an earlier run, and cannot be renamed: OUT4-BAR.dat, OUT4-BAR.h5"
+    assert message == "left by an earlier run, and cannot be renamed: OUT4-BAR.dat, OUT4-BAR.h5"
 
 
 @pytest.mark.parametrize(("deck", "form", "suffix"), [

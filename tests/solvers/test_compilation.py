@@ -37,7 +37,7 @@ def test_a_run_tells_of_a_damaged_object_once(tmp_path, monkeypatch):
     _library.packaged.cache_clear()
     (notice,) = notices
     assert notice.sentence.startswith(f"{path} cannot be loaded (")
-    assert notice.sentence.endswith("): kernels are compiled; install flexmb anew")
+    assert notice.sentence.endswith("): kernels are compiled; reinstall flexmb")
 
 
 def test_damage_that_is_found_on_the_way_is_told_at_the_end(tmp_path, monkeypatch):

@@ -14,7 +14,7 @@ STUDY = 'deck = "x"\n[parameters]\n"driver.1.B" = [1.0]\n[results]\ntop = "max b
 def test_a_deck_that_is_no_regular_file_is_not_waited_for(tmp_path, make):
     make(tmp_path / "x")
     (tmp_path / "s.toml").write_text(STUDY)
-    with pytest.raises(DeckError, match="no regular file"):
+    with pytest.raises(DeckError, match="not a regular file"):
         Sweep.of(str(tmp_path / "s.toml"), str(tmp_path / "parts"))
 
 

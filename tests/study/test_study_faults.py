@@ -78,7 +78,7 @@ def test_a_binary_file_and_a_folder_are_called_what_they_should_be(tmp_path):
     (tmp_path / "table.h5").write_bytes(b"\x89HDF\r\n\x1a\n\0\0")
     (tmp_path / "latin.toml").write_bytes(STUDY.replace("[results]", "# Gr\xf6\xdfe").encode("latin-1"))
     for name, message in (
-        ("table.h5", "table.h5: error: this is no study but an HDF5 file, as results are"),
+        ("table.h5", "table.h5: error: this is not a study but an HDF5 file, as results are"),
         (".", ".: error: is a directory, not a study"),
         ("latin.toml", "latin.toml:6:5: error: the study is not UTF-8, which TOML has to be"),
     ):

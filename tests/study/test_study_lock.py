@@ -162,7 +162,7 @@ def test_cases_of_another_user_are_told(study, monkeypatch, given_away):
     else:
         monkeypatch.setattr(os, "geteuid", lambda: owner + 1)
     done = CliRunner().invoke(cli, ["sweep", study])
-    said = "is of another user, whose cases are taken; with --fresh none are"
+    said = "belongs to another user; its cases are used, with --fresh none are"
     assert f"{study}: warning: {os.path.abspath('s.h5.parts')} {said}" in done.output
 
 

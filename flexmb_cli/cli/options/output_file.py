@@ -97,7 +97,7 @@ class Finite(click.FloatRange):
             self.fail(f"{value} has a decimal comma; write {value.strip().replace(',', '.')}", param, ctx)
         number = super().convert(value, param, ctx)
         if not math.isfinite(number):
-            self.fail(f"{value} is no finite number", param, ctx)
+            self.fail(f"{value} is not a finite number", param, ctx)
         return number
 
     def _describe_range(self) -> str:
@@ -115,7 +115,7 @@ class Millimetres(Finite):
         if _DECIMAL_COMMA.fullmatch(value.strip()):
             return super().convert(value, param, ctx)
         if match is None:
-            self.fail(f"{value} is no width: give millimetres, such as 85, or 8.5cm, 3.5in", param, ctx)
+            self.fail(f"{value} is not a width: give millimetres, such as 85, or 8.5cm, 3.5in", param, ctx)
         return super().convert(float(match[1]) * _MILLIMETRES[(match[2] or "mm").lower()], param, ctx)
 
 

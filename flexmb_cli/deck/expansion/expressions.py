@@ -50,7 +50,7 @@ _OPERATORS = {"+": "add", "-": "subtract", "*": "multiply", "/": "divide"}
 
 
 class WrongFormula(ValueError):
-    """A text is no formula; `offset` is where, in characters."""
+    """A text is not a formula; `offset` is where, in characters."""
 
     def __init__(self, message: str, offset: int):
         super().__init__(message)

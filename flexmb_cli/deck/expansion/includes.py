@@ -133,7 +133,7 @@ class _Reader:
         if self.files >= MOST_INCLUDED or self.size > LARGEST_DECK:
             return f"more than {MOST_INCLUDED} files or {LARGEST_DECK // 1024**2} MB are included"
         if path.exists() and not path.is_file():
-            return "is no regular file"
+            return "is not a regular file"
         return ""
 
     def expanded(self, source: DeckText) -> DeckText:

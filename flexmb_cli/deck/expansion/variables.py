@@ -106,7 +106,8 @@ class _Writer:
         try:
             parsed = formula(inside)
         except WrongFormula as fault:
-            self.faults.append(Fault("error", f"this is no formula: {fault}", place, inside, id="DECK-090"))
+            message = f"this is not a formula: {fault}"
+            self.faults.append(Fault("error", message, place, inside, id="DECK-090"))
             return None
         unknown = [name for name in parsed.names if name not in self.definitions]
         if unknown:

@@ -171,7 +171,7 @@ class _Measures(Measures):
             return None
         free = hinge.rotations + hinge.translations
         if not free or len(set(free)) > 1:
-            message = "friction wants a hinge that turns about, or slides along, one axis"
+            message = "friction needs a hinge that turns about, or slides along, one axis"
             return self.error(line, number, message, id="DAFMS-081")
         return number.value - 1, bool(hinge.rotations)
 
@@ -251,5 +251,5 @@ def _check_speeds(tree: Tree, item: Coupling, findings: Findings) -> None:
     """The speeds of Y(L) must fit a coupling."""
     rates = [factor * tree.y[_number(tree, body, name)] for body, name, factor in item.terms]
     if abs(sum(rates)) > COUPLED_RATE * max(map(abs, rates), default=0.0):
-        message = f"the speeds of Y(L) leave the rate {sum(rates):.3g} of a sum that must stay; change one"
+        message = f"the speeds of Y(L) give a constant sum the rate {sum(rates):.3g}; change one"
         findings.error(item.name, message, item.place, id="DAFMS-085")

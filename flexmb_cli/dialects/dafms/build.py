@@ -171,7 +171,7 @@ def build_integration(values: DeckValues, findings: Findings) -> Integration:
     if not 1 <= method <= len(TREE_METHODS):
         choice = ", ".join(f"{i} {name}" for i, name in enumerate(TREE_METHODS, 1))
         findings.error(
-            "METH", f"METH = {method} is no integrator: {choice}", values.place("method"), id="DAFMS-051"
+            "METH", f"METH = {method} is not an integrator: {choice}", values.place("method"), id="DAFMS-051"
         )
         return Integration()
     relative, absolute = default_tolerances(TREE_METHODS[method - 1])
@@ -251,7 +251,7 @@ def _check_angles(
             continue
         echo = _quadruple(c.axis, q[m])
         if abs(np.dot(echo, hinge.attitude)) < math.cos(_ANGLE / 2):
-            message = f"EULT is not used: the angle {q[m]} rad in Y(L) rules (coordinate {m + 1})"
+            message = f"EULT is not used: the angle {q[m]} rad in Y(L) applies (coordinate {m + 1})"
             findings.warn(f"body {c.body + 1}", message, values.place("attitude", c.body + 1), id="DAFMS-055")
 
 

@@ -86,7 +86,7 @@ def _node(
         _warn_of_rigid_attachment(values, bodies, parent, k, point, findings)
         return None
     if not 1 <= stated <= len(positions):
-        message = f"NP = {stated} is no node of body {parent + 1}, which has {len(positions)}"
+        message = f"NP = {stated} is not a node of body {parent + 1}, which has {len(positions)}"
         findings.error(f"hinge of body {k}", message, place, id="DAFMS-034")
         return None
     if not _same_point(positions[stated - 1], point):
@@ -179,7 +179,7 @@ def _attitude(values: DeckValues, section: str, card: str, k: int, findings: Fin
     e1, e2, e3, e4 = (number.value for number in record.numbers)
     length = math.hypot(e1, e2, e3, e4)
     if length == 0:
-        message = "four zeros are no attitude; not turned is 0.0 0.0 0.0 1.0, the scalar last"
+        message = "four zeros are not an attitude; write 0.0 0.0 0.0 1.0 for no turn, the scalar last"
         findings.error(f"{card} of body {k}", message, record.place, id="DAFMS-039")
         return UNTURNED
     if abs(length - 1) > _LENGTH:

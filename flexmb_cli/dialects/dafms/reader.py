@@ -241,8 +241,9 @@ def _check_skyline(records: Records, jdi: Sequence[Number], k: int) -> None:
         if not 1 <= address - before <= column:
             number = jdi[column - 1]
             message = (
-                f"{number.key} = {number.value} is no diagonal's address, expected {_range(before, column)}: "
-                "a column holds at most as many entries as its number, the diagonal last"
+                f"{number.key} = {number.value} is not the address of a diagonal, expected "
+                f"{_range(before, column)}: a column holds at most as many entries as its number, "
+                "the diagonal last"
             )
             records.stop(f"JDI of body {k}", message, number.place, id="DAFMS-162")
         before = address

@@ -264,7 +264,7 @@ class _System:
         """Three rows, rotation about axis 1, 2, 3 per unit of each elastic coordinate of the body."""
         body = head[0]
         if not 1 <= body.value <= self.layout.bodies or not self.layout.nodes[body.value - 1]:
-            message = f"K = {body.value} is no flexible body"
+            message = f"K = {body.value} is not a flexible body"
             self.records.stop(subject, message, body.place, id="DAFMS-172")
         size = self.layout.elastic(body.value - 1)
         numbers: list[Number] = []

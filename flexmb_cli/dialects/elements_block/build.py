@@ -315,7 +315,7 @@ class BlockBuilder:
         follower, cam = (self.measures.named(line, line.at(key), line[key]) for key in ("to", "from"))
         function = self.functions.motion(line, "function")
         if follower is not None and follower == cam:
-            message = "from and to are one coordinate; two are coupled"
+            message = "from and to are the same coordinate; name two"
             self.measures.error(line, line.at("to"), message, id="ELEMENTS-066")
             return None
         if follower is None or cam is None or function is None:
@@ -365,9 +365,7 @@ class BlockBuilder:
         if "file" in line:
             return self.functions.paths(line)
         if not any(axis in line for axis in "xyz"):
-            message = (
-                "a curve takes file=, or functions of a parameter, x=, y= and z=, 0 where one is left out"
-            )
+            message = "a curve takes file=, or functions of a parameter, x=, y= and z=, 0 if one is left out"
             self.findings.error(line.subject, message, line.place, id="ELEMENTS-127")
             return None
         coordinates = tuple(self.functions.path(line, axis) for axis in "xyz")

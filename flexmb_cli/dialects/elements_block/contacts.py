@@ -53,7 +53,7 @@ def touch_of(line: ElementLine, measures: Measures, folder: Path) -> Touch | Non
     (j, P_j), *more_j = ends["to"]
     same = first == second and all(_texts(line, "from", key) == _texts(line, "to", key) for key in _OF_END)
     if first == "mesh" and more_i and more_j:
-        message = "a line takes one mesh with several spheres, or several with one; part the line"
+        message = "a line takes one mesh with several spheres, or several with one; split the line"
         return measures.error(line, line.at("file_from"), message, id="ELEMENTS-273")
     mutual = bool(more_i) and same
     return Touch(
@@ -191,7 +191,7 @@ def _check_law(line: ElementLine, measures: Measures) -> None:
         findings.warn(line.subject, message, line.place_of("static"), id="ELEMENTS-071")
     if line["restitution"] == 1.0:
         if line["speed"]:
-            message = "speed says nothing where restitution is 1"
+            message = "speed has no effect if restitution is 1"
             findings.note(line.subject, message, line.place_of("speed"), id="ELEMENTS-072")
         return
     if line["restitution"] > 1.0:

@@ -146,7 +146,7 @@ class Functions:
         """The characteristic of a spring or damper over its stretch or rate, which must have an integral."""
         function = self.function(record, key)
         if function is not None and not is_signal(function) and integral_of(function) is None:
-            what = "a product or periodic function is no characteristic of a spring"
+            what = "a product or periodic function cannot be the characteristic of a spring"
             message = f"{what}; use table, spline or polynomial"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-017")
             return None

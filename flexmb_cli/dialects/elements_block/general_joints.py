@@ -50,7 +50,7 @@ def _has_keys(line: ElementLine, measures: Measures) -> bool:
     wrong = sorted((set(needed) - given) | (given - set(needed) - set(may)))
     if wrong:
         keys = [f"{key}=" for key in needed] + [f"[{key}=]" for key in may]
-        message = f"{line.kind} takes {' '.join(['from=', 'to=', *keys])}; not so {' and '.join(wrong)}"
+        message = f"{line.kind} takes {' '.join(['from=', 'to=', *keys])}; correct {' and '.join(wrong)}"
         measures.findings.error(line.subject, message, line.place, id="ELEMENTS-201")
     for key in given & set(_VECTORS):
         if not any(line.vector(key)):
@@ -87,7 +87,7 @@ def _axes(line: ElementLine, measures: Measures, held: tuple[bool, ...]) -> Any:
         measures.findings.error(line.subject, message, line.place, id="ELEMENTS-206")
         return None
     if x is not None and np.linalg.norm(np.cross(x, z)) <= _ASIDE * np.linalg.norm(x) * np.linalg.norm(z):
-        message = "across is along the axis; give a direction aside of it"
+        message = "across is along the axis; give a direction at an angle to it"
         measures.error(line, line.at("across.x"), message, id="ELEMENTS-207")
         return None
     return frame_of(z, x)

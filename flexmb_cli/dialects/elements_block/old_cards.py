@@ -129,7 +129,7 @@ def refused(
         words = line.split(" ")
         shown = " ".join([*words[:_MOST_WORDS], *["..."] * (len(words) > _MOST_WORDS)])
         instead = f"write in a block {BLOCK}: {shown}" if line else _REMOVE
-        message = f"{word} is no card any more; {instead}"
+        message = f"{word} is no longer a card; {instead}"
         yield Fault("error", message, cards[k][0], f"{word.lower()}-{counts[word]}", id="ELEMENTS-064")
 
 

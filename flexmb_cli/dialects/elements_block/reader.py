@@ -261,7 +261,7 @@ class _Line:
         try:
             formula(piece.text)
         except WrongFormula as fault:
-            self.error(piece, f"this is no formula: {fault}", fault.offset, id="ELEMENTS-180")
+            self.error(piece, f"this is not a formula: {fault}", fault.offset, id="ELEMENTS-180")
         meaning = OUTPUTS[FORMULA][0]
         self.given[""] = [Number(FORMULA, piece.text, meaning, "", piece.place, piece.text)]
 
@@ -278,7 +278,7 @@ class _Line:
         keys = _OF_VALUES.get(self.kind, "")
         if positions:
             if self.values >= len(positions):
-                message = f"{self.kind} takes {' '.join(positions)}; this is a number more"
+                message = f"{self.kind} takes {' '.join(positions)}; this is one number too many"
                 self.error(piece, message, id="ELEMENTS-055")
                 return
             key = meaning = positions[self.values]
@@ -452,7 +452,7 @@ class _Line:
         required = {POINT: (), STL: ("file",)}.get(self.kind, ("size",))
         others = ("size", "file", "unit", "density", "angles") if self.kind == POINT else ("size", "file")
         if wrong := [key for key in others if (key in self.given) != (key in required)]:
-            message = f"{self.kind} takes {' and '.join(required) or 'mass'}=; not so {' and '.join(wrong)}"
+            message = f"{self.kind} takes {' and '.join(required) or 'mass'}=; correct {' and '.join(wrong)}"
             self.error(self.first, message, id="ELEMENTS-189")
 
     def _check_output(self) -> None:
@@ -460,7 +460,7 @@ class _Line:
         required = OUTPUTS[self.kind][3]
         if wrong := [key for key in ("from", "to", "body") if (key in self.given) != (key in required)]:
             which = " and ".join(f"{key}=" for key in required)
-            message = f"{self.kind} takes {which}, and axes=; not so {' and '.join(wrong)}"
+            message = f"{self.kind} takes {which}, and axes=; correct {' and '.join(wrong)}"
             self.error(self.first, message, id="ELEMENTS-181")
         nodes = [n for key in required for n in self.given.get(key, ()) if n.key.endswith(".node")]
         for node in nodes:

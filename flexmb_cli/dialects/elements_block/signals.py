@@ -156,7 +156,7 @@ class _Builder:
             signal = self._of_element(line, number, base, last)
         elif last in _NOT_MEASURED:
             self._error(
-                line, number, f"{text} is no input of signals: {_NOT_MEASURED[last]}", id="ELEMENTS-274"
+                line, number, f"{text} is not an input of signals: {_NOT_MEASURED[last]}", id="ELEMENTS-274"
             )
         elif text == "time":
             signal = Signal("", TIME_SIGNAL, function=_TIME)

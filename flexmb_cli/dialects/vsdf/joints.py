@@ -233,7 +233,7 @@ def _pin(record: Record, bodies: Sequence[VsdfBody], ground: VsdfBody, findings:
     mask = record.at("mask")
     digits = f"{mask.value:03d}"
     if len(digits) != 3 or set(digits) - {"0", "1"} or digits == "000":
-        message = f"mask {mask.text} wanted as three digits 0 or 1 for x y z, such as 111 or 101"
+        message = f"mask {mask.text} must be three digits 0 or 1 for x y z, such as 111 or 101"
         findings.error(record.subject, message, mask.place, id="VSDF-052")
         return None
     if record["body"] == 0:

@@ -140,7 +140,7 @@ def _function(record: Record, tables: Any, findings: Findings) -> MotionFunction
     if function.value == TABLE:
         return find_table(record, record.at("c0"), tables, findings)
     if function.value == SINE and not record.at("c2").text:
-        message = "the sine needs c2, rad/s; it stands still without"
+        message = "the sine needs c2, rad/s; without it nothing moves"
         findings.error(record.subject, message, record.at("c2").place, id="VSDF-060")
         return None
     if function.value == SPIN_UP and not c1 > 0:

@@ -203,10 +203,7 @@ class _Reader(CardReader):
         """A keyword alone says nothing; what was meant may stand in its comment."""
         if card is not None and self.bare is not None and following in KNOWN_WORDS:
             self.warn(
-                card.word,
-                "no data card stands below the keyword, so it says nothing",
-                self.bare,
-                id="VSDF-159",
+                card.word, "no data card follows the keyword, so it has no effect", self.bare, id="VSDF-159"
             )
         self.bare = None
 

@@ -258,7 +258,8 @@ class _Cards:
             return
         if self.shapes_alone and kind not in SHAPE_CARDS:
             message = (
-                f"{kind.keyword} is no shape; DYNAMICS in place of GEOMETRY opens cards with masses and loads"
+                f"{kind.keyword} is not a shape; DYNAMICS in place of GEOMETRY opens "
+                "cards with masses and loads"
             )
             self.made.error(keyword.place, "", message, id="YOUNG-173")
             return

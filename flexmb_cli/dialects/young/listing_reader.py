@@ -141,7 +141,7 @@ def row_fault(key: str, index: int, rest: str, number: int, offset: int, columns
     place = Place(number, offset + (shown.start() if shown else 0) + 1, len(shown[0]) if shown else 1)
     expected = f"{len(columns.names)} numbers are expected ({columns.names[0]} … {columns.names[-1]})"
     there = f"{len(words)} are there{_other_block(len(words), columns)}"
-    read = f"{bad[0]!r} is no number of this table{hint(bad[0])}" if bad else there
+    read = f"{bad[0]!r} is not a number of this table{hint(bad[0])}" if bad else there
     return Fault("error", f"{expected}, {read}", place, f"{key} of {columns.item} {index}", id="YOUNG-031")
 
 

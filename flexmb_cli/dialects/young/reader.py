@@ -332,7 +332,7 @@ def _numbers_left_over(reading: _Reading) -> Iterator[Any]:
     last = reading.words[reading.taken - 1]
     rest, following = _lines_after(reading, last.line)
     if rest and all(map(_is_number, rest)):
-        message = f"after Ti, Te and dT = {last.text} stands a number more; is one before it too many?"
+        message = f"one more number follows Ti, Te and dT = {last.text}; is one before it too many?"
         yield Fault("warning", message, rest[0].place, "time", id="YOUNG-060")
     elif following and all(map(_is_number, following)):
         message = "the deck is complete before this line; its numbers are ignored"

@@ -143,7 +143,7 @@ def warn_of_same_nodes(given: FlexibleInput, table: BodyTable, findings: Finding
     assert given.material is not None, "the body has a table of elements"
     message = (
         f"{given.material.file.path.name}: element {other} has the same nodes as element {one}{more}; "
-        "each counts, with its mass and stiffness where these are made of the elements"
+        "each counts, with its mass and stiffness if these are assembled from the elements"
     )
     findings.warn(given.name, message, given.material.place, id="FE-085")
 

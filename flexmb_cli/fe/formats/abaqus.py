@@ -84,7 +84,7 @@ def _read_one(name: str, rows: np.ndarray | None, body: list[str], numbers: Sequ
     width = len(body[0].split("," if comma else None))
     if width not in (3, 5):
         message = (
-            "row node, row direction, column node, column direction, value wanted, or row, column, value, "
+            "expected row node, row direction, column node, column direction, value, or row, column, value, "
             "by commas or blanks"
         )
         raise line_fault(name, numbers[0], message, id="FE-088")
@@ -178,7 +178,7 @@ def element_matrix(name: str, equations: np.ndarray, body: list[str], numbers: S
         try:
             values += [real(word) for word in text.split(",") if word.strip()]
         except ValueError:
-            message = f"values by commas wanted; read '{text.strip()[:40]}'"
+            message = f"expected values separated by commas; read '{text.strip()[:40]}'"
             raise line_fault(name, number, message, id="FE-193") from None
     triangle = size * (size + 1) // 2
     if len(values) not in (triangle, size * size):

@@ -50,7 +50,7 @@ def integers_of(line: Line, words: list[str]) -> list[int]:
     try:
         return [integer(word) for word in words]
     except ValueError:
-        message = f"whole numbers wanted; read '{' '.join(words)[:40]}'"
+        message = f"expected whole numbers; read '{' '.join(words)[:40]}'"
         raise line.fault(message, id="FE-100") from None
 
 
@@ -61,7 +61,7 @@ def reals_of(line: Line, count: int) -> list[float]:
     except ValueError:
         values = [0.0] * (count + 1)
     if len(values) > count:
-        raise line.fault(f"{count} numbers wanted; read '{line.text.strip()[:40]}'", id="FE-156")
+        raise line.fault(f"expected {count} numbers; read '{line.text.strip()[:40]}'", id="FE-156")
     return values + [0.0] * (count - len(values))
 
 

@@ -92,12 +92,12 @@ class _Nodes:
             raise block.line.fault(message, id="FE-167")
         type = block.options.get("SYSTEM", "R")
         if type not in ("R", "RC", "C", "S"):
-            raise block.line.fault(f"SYSTEM={type} is unknown; R, C or S wanted", id="FE-155")
+            raise block.line.fault(f"SYSTEM={type} is unknown; expected R, C or S", id="FE-155")
         system = self.system if type[0] == "R" else self.system._replace(type=type)
         for line in block.data:
             words = words_of(line)
             if len(words) > 4:
-                message = f"three coordinates with decimal points wanted; read '{line.text.strip()[:40]}'"
+                message = f"expected three coordinates with decimal points; read '{line.text.strip()[:40]}'"
                 raise line.fault(message, id="FE-165")
             number, values = node_of(line, words)
             if type == "S":  # R, theta about the z axis, phi above the plane of x and y
@@ -148,7 +148,7 @@ class _Nodes:
             count, step = (*integers_of(line, [word for word in rest if word]), 0, 1)[:2]
             first, last = self.members(one), self.members(other)
             if not first or len(first) != len(last) or count < 1 or not step:
-                message = "two sets of as many nodes, a number of intervals and an increment wanted"
+                message = "expected two sets of as many nodes, a number of intervals and an increment"
                 raise line.fault(message, id="FE-159")
             self.count(line, count * len(first))
             for a, b in zip(first, last, strict=True):
@@ -196,7 +196,7 @@ class _Nodes:
         *line, degrees = reals_of(block.data[1], 7) if block.data[1:] else (0, 0, 0, 1, 0, 0, 0)
         a, b = np.reshape(line, (2, 3))
         if (a == b).all():
-            raise block.line.fault("a translation, two points of an axis and an angle wanted", id="FE-163")
+            raise block.line.fault("expected a translation, two points of an axis and an angle", id="FE-163")
         positions = np.reshape([self.nodes[place][1] for place in places], (-1, 3)) + shift - a
         for place, position in zip(places, positions @ rotation(b - a, degrees).T + a, strict=True):
             self.nodes[place] = self.nodes[place][0], position, self.nodes[place][2]

@@ -65,7 +65,7 @@ def _block(heading: Line, lines: list[str]) -> Iterator[Node]:
     # A field has at least one column.
     integers, width, _, digits = (int(text) if len(text) < 4 else 0 for text in layout.groups())
     if 0 in (integers, width, int(layout[3]), digits):
-        message = "a format such as (3i9,6e20.13) wanted, counts and widths 1 to 999"
+        message = "expected a format such as (3i9,6e20.13), counts and widths 1 to 999"
         raise second.fault(message, id="FE-091")
     for number, text in enumerate(lines[1:], start=second.number + 1):
         if text.upper().startswith("N,") or text.strip() == "-1":
@@ -80,5 +80,5 @@ def _block(heading: Line, lines: list[str]) -> Iterator[Node]:
                 line,
             )
         except ValueError:
-            raise line.fault(f"a line of NBLOCK wanted; read '{text.strip()[:40]}'", id="FE-092") from None
+            raise line.fault(f"expected a line of NBLOCK; read '{text.strip()[:40]}'", id="FE-092") from None
     raise FEFileFault(f"{heading.name}: NBLOCK does not end with -1; is the file cut off?", id="FE-200")

@@ -38,7 +38,7 @@ class BulkCard(NamedTuple):
         try:
             return integer(text)
         except ValueError:
-            raise self.card_fault(f"{what} wanted; read '{text}'", id="FE-094") from None
+            raise self.card_fault(f"expected {what}; read '{text}'", id="FE-094") from None
 
     def real(self, index: int, what: str) -> float:
         """Return a field as a number, 0 if it is empty.  Raises FEFileFault."""
@@ -46,7 +46,7 @@ class BulkCard(NamedTuple):
         try:
             return real(text) if text else 0.0
         except ValueError:
-            raise self.card_fault(f"{what} wanted; read '{text}'", id="FE-094") from None
+            raise self.card_fault(f"expected {what}; read '{text}'", id="FE-094") from None
 
 
 def lines(path: Path) -> Iterator[Line]:

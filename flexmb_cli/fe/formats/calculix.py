@@ -38,7 +38,7 @@ def read_dofs(path: Path) -> np.ndarray:
             continue
         match = _DOF.fullmatch(line)
         if match is None:
-            message = f"node.direction wanted, such as 12.3; read '{line.strip()[:40]}'"
+            message = f"expected node.direction, such as 12.3; read '{line.strip()[:40]}'"
             raise line_fault(path.name, number, message, id="FE-095")
         if match[2] not in "123":
             message = f"direction {match[2]} of node {match[1]}: only 1, 2, 3 can be used, no rotations"

@@ -104,7 +104,7 @@ def _check_kinds(name: str, found: list[_Element]) -> None:
         raise FEFileFault(f"{name} mixes elements of {mixed} nodes; use one type", id="FE-021")
     kinds = sorted({element.kind for element in found})
     if len(kinds) > 1:
-        message = f"{name} mixes elements of types {' and '.join(kinds)}; one type is wanted"
+        message = f"{name} mixes elements of types {' and '.join(kinds)}; use one type"
         raise FEFileFault(message, id="FE-084")
 
 
@@ -125,7 +125,7 @@ def _inp_elements(path: Path) -> Iterator[_Element]:
         if _INP_FLAT.fullmatch(kind):
             flat[named] = block.line
         elif type is None:
-            message = f"stresses are known of {_KNOWN} only, types C3D4, C3D10, C3D8, C3D20 and variants"
+            message = f"stresses are computed for {_KNOWN} only, types C3D4, C3D10, C3D8, C3D20 and variants"
             raise block.line.fault(message, id="FE-099")
         words: list[str] = []
         first = block.line
@@ -191,7 +191,7 @@ def _bdf_elements(path: Path) -> Iterator[_Element]:
             continue
         number = card.integer(0, "the number of the element")
         if card.name not in _MOST_POINTS:
-            message = f"{card.name} {number}: stresses are known of {_KNOWN} only, cards CHEXA and CTETRA"
+            message = f"{card.name} {number}: stresses are computed for {_KNOWN} only, cards CHEXA and CTETRA"
             raise card.line.fault(message, id="FE-102")
         fields = range(2, 2 + _MOST_POINTS[card.name])
         given = [card.integer(i, "a grid point") for i in fields if card.field(i)]

@@ -63,7 +63,7 @@ def _bdf_couplings(path: Path, _node: int) -> Iterator[Coupling]:
 def _turns(card: BulkCard, field: int) -> bool:
     """Return whether components are 123456; False for 123."""
     if card.field(field) not in (TRANSLATIONS, ALL):
-        message = f"components {card.field(field)}: 123456 or 123 wanted"
+        message = f"components {card.field(field)}: expected 123456 or 123"
         raise card.card_fault(message, id="FE-260")
     return card.field(field) == ALL
 
@@ -111,7 +111,7 @@ def _rigid_body(block: Block, members: NodeSets) -> tuple[list[int], bool]:
     pinned = "PIN NSET" in block.options
     names = [block.options[name] for name in ("NSET", "TIE NSET", "PIN NSET") if name in block.options]
     if len(names) != 1:
-        raise block.line.fault("one set of nodes wanted: NSET, TIE NSET or PIN NSET", id="FE-262")
+        raise block.line.fault("expected one set of nodes: NSET, TIE NSET or PIN NSET", id="FE-262")
     return members(names[0]), not pinned
 
 
@@ -123,7 +123,7 @@ def _kinematic(block: Block, members: NodeSets) -> tuple[list[int], bool]:
         ends.add(tuple(directions) or ("1", "6"))
         numbers += _nodes(line, name, members)
     if not ends <= {("1", "3")} and not ends <= {("1", "6")}:
-        message = "directions 1 to 6, or 1 to 3 wanted, the same of all nodes"
+        message = "expected directions 1 to 6, or 1 to 3, the same for all nodes"
         raise block.line.fault(message, id="FE-263")
     return numbers, ends != {("1", "3")}
 

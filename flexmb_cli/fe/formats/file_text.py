@@ -49,7 +49,7 @@ def bytes_of(path: Path, largest: int = LARGEST_FILE) -> bytes:
 
 def _check_kind(name: str, found: Any, largest: int) -> None:
     if not stat.S_ISREG(found.st_mode):
-        raise FEFileFault(f"{name} is no regular file, but a folder, a pipe or a device", id="FE-025")
+        raise FEFileFault(f"{name} is not a regular file, but a folder, a pipe or a device", id="FE-025")
     if found.st_size >= largest:
         size = f"{largest // 2**30} GB" if largest >= 2**30 else f"{largest // 2**20} MB"
         raise FEFileFault(f"{name} is larger than the {size} that can be read", id="FE-026")
@@ -146,12 +146,12 @@ def _fault_of_lines(
         words = [word.strip() for word in line.split(delimiter)]
         if len(words) != columns:
             return line_fault(
-                name, number, f"{meaning} wanted, {columns} numbers; read '{_short(line)}'", id="FE-103"
+                name, number, f"expected {meaning}, {columns} numbers; read '{_short(line)}'", id="FE-103"
             )
         for word in words:
             if not _is_finite(word):
                 return line_fault(
-                    name, number, f"{meaning} wanted; '{_short(word)}' is no finite number", id="FE-104"
+                    name, number, f"expected {meaning}; '{_short(word)}' is not a finite number", id="FE-104"
                 )
     return FEFileFault(f"{name} cannot be read as {meaning}", id="FE-028")
 

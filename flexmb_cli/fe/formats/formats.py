@@ -63,7 +63,7 @@ def read_matrix(
     """
     matrix = _read(path, form, (letter, name), mapping, mapping_form)
     if matrix.size > max(len(matrix.values), empty):
-        message = f"{matrix.size} rows and {len(matrix.values)} entries: rows without any are no body's"
+        message = f"{matrix.size} rows and {len(matrix.values)} entries: a body has no rows without entries"
         raise FEFileFault(f"{path.name} has {message}", id="FE-030")
     return replace(matrix, digits=matrix.digits or printed_digits(path))
 

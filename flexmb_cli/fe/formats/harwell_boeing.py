@@ -88,7 +88,7 @@ def _integers(name: str, line: str, number: int, first: int, count: int) -> list
     try:
         numbers_of_line = [integer(cell) for cell in cells]
     except ValueError:
-        message = "integers of 14 columns wanted; is it a Harwell-Boeing file?"
+        message = "expected integers of 14 columns; is it a Harwell-Boeing file?"
         raise line_fault(name, number, message, id="FE-108") from None
     if min(numbers_of_line) < 0:
         raise line_fault(name, number, "counts of lines and entries are not negative", id="FE-109")
@@ -97,7 +97,7 @@ def _integers(name: str, line: str, number: int, first: int, count: int) -> list
 
 def _check_kind(name: str, kind: str, size: int, columns: int) -> None:
     if kind not in ("RSA", "RUA"):
-        message = f"the matrix is of type {kind}; RSA (symmetric) or RUA, assembled and real, wanted"
+        message = f"the matrix is of type {kind}; expected RSA (symmetric) or RUA, assembled and real"
         raise line_fault(name, 3, message, id="FE-110")
     if size != columns:
         message = f"the matrix must be square; it has {size} rows, {columns} columns"
@@ -152,7 +152,7 @@ def _cut(
         for i in range(0, len(line.rstrip()), width)
     ]
     if len(cells) < wanted:
-        message = f"{wanted} numbers wanted, {len(cells)} found in fields of {width} columns (line 4)"
+        message = f"expected {wanted} numbers, read {len(cells)} in fields of {width} columns (line 4)"
         raise FEFileFault(f"{name}, lines {numbers[0]}-{numbers[len(section) - 1]}: {message}", id="FE-037")
     values = []
     for cell, number in cells[:wanted]:
@@ -160,7 +160,7 @@ def _cut(
             values.append(read(cell))
         except ValueError:
             message = (
-                f"'{cell.strip()}' is no number; fields are {width} columns wide by the format of line 4: "
+                f"'{cell.strip()}' is not a number; fields are {width} columns wide by the format of line 4: "
                 "are they wider or narrower here?"
             )
             raise line_fault(name, number, message, id="FE-113") from None

@@ -98,7 +98,7 @@ def _numbers(block: Block) -> list[tuple[Line, list[int]]]:
         numbers = integers_of(line, words_of(line))
         if len(numbers) != count + 1 or len(set(numbers[1:])) != count:
             message = (
-                f"the number and {count} different nodes of an element wanted; read '{line.text.strip()}'"
+                f"expected the number and {count} different nodes of an element; read '{line.text.strip()}'"
             )
             raise line.fault(message, id="FE-323")
         lines_of_numbers.append((line, numbers))

@@ -52,7 +52,7 @@ def _kind(name: str, lines: list[str]) -> tuple[Any, Any]:
         message = "a Matrix Market file begins with %%MatrixMarket; is the format another?"
         raise line_fault(name, 1, message, id="FE-114")
     if len(words) < 5 or words[1] != "matrix" or words[2] not in ("coordinate", "array"):
-        message = "%%MatrixMarket matrix coordinate|array real general|symmetric wanted"
+        message = "expected %%MatrixMarket matrix coordinate|array real general|symmetric"
         raise line_fault(name, 1, message, id="FE-115")
     if words[3] not in ("real", "integer", "double"):
         raise line_fault(name, 1, f"the matrix must be real; this one is {words[3]}", id="FE-116")

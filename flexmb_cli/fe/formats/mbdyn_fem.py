@@ -108,7 +108,7 @@ def _sizes(path: Path, groups: dict[int, list[Line]]) -> tuple[int, int]:
     try:
         nodes, normal, attachment, constraint, rejected = (integer(word) for word in words[:5])
     except ValueError:
-        message = "a revision and the numbers of nodes and of four types of modes wanted"
+        message = "expected a revision and the numbers of nodes and of four types of modes"
         raise lines[0].fault(message, id="FE-285") from None
     if rejected:
         raise lines[0].fault("rejected modes are not read; write the file without them", id="FE-286")
@@ -129,9 +129,9 @@ def _numbers(
         try:
             values += [integer(word) if whole else real(word) for word in line.text.split()]
         except ValueError:
-            raise line.fault(f"numbers wanted; read '{line.text.strip()[:40]}'", id="FE-288") from None
+            raise line.fault(f"expected numbers; read '{line.text.strip()[:40]}'", id="FE-288") from None
     if len(values) != count:
-        message = f"record group {group} holds {len(values)} numbers; {count} wanted"
+        message = f"record group {group} holds {len(values)} numbers; expected {count}"
         raise groups[group][0].fault(message, id="FE-289")
     if not all(abs(value) < LARGEST_NUMBER for value in values):
         message = f"record group {group} holds a number that is not finite, or above {LARGEST_NUMBER:g}"

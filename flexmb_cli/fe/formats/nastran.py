@@ -95,10 +95,10 @@ def _check_header(name: str, header: BulkCard) -> bool:
         raise header.line.fault(f"DMIG {name} begins without its header card", id="FE-119")
     form = header.integer(2, "the form of the matrix")
     if form != _SYMMETRIC and form not in _SQUARE:
-        message = f"DMIG {name} has form {form}; 6 (symmetric) or 1 (square) wanted"
+        message = f"DMIG {name} has form {form}; expected 6 (symmetric) or 1 (square)"
         raise header.line.fault(message, id="FE-120")
     if header.integer(3, "the type of the matrix") not in _REAL:
-        raise header.line.fault(f"DMIG {name} is complex; real wanted", id="FE-121")
+        raise header.line.fault(f"DMIG {name} is complex; it must be real", id="FE-121")
     return form == _SYMMETRIC
 
 
@@ -115,7 +115,7 @@ def _read_column(card: BulkCard, entries: list[tuple[int, int, int, int]], value
         entries.append((row, row_component, node, component))
         for point, number in ((node, component), (row, row_component)):
             if not 0 <= number <= 6:
-                message = f"component {number} of point {point}: 1 to 6 wanted, 0 at a scalar point"
+                message = f"component {number} of point {point}: expected 1 to 6, or 0 at a scalar point"
                 raise card.line.fault(message, id="FE-122")
 
 
@@ -144,7 +144,7 @@ def _components(card: BulkCard, field: int) -> str:
     """Return the digits of the components in a field of the card."""
     text = card.field(field) or "0"
     if text != "0" and (set(text) - set("123456") or len(set(text)) < len(text)):
-        raise card.card_fault(f"components such as 123456 wanted, or 0; read '{text}'", id="FE-251")
+        raise card.card_fault(f"expected components such as 123456, or 0; read '{text}'", id="FE-251")
     return text
 
 

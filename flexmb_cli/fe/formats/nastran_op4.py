@@ -83,14 +83,14 @@ def _end(lines: list[str], at: int, columns: int) -> int:
 def _read_text(text: _Text, at: int) -> MatrixFile:
     columns, rows, kind, _, width = _heading(text, at)
     if kind not in _REAL:
-        raise text.fault(at, "the matrix is complex; real wanted", id="FE-124")
+        raise text.fault(at, "the matrix is complex; it must be real", id="FE-124")
     if abs(rows) != columns:
         message = f"the matrix must be square; it has {abs(rows)} rows, {columns} columns"
         raise text.fault(at, message, id="FE-111")
     strings: list[Any] = []
     at += 1
     while True:
-        cut = "column, first row and words wanted; was the file cut off?"
+        cut = "expected column, first row and words; was the file cut off?"
         head, (column, row, words) = at, text.integers(at, (3,), cut, id="FE-126")
         if column > columns:
             return of_strings(text.name, columns, strings)
@@ -104,7 +104,7 @@ def _read_text(text: _Text, at: int) -> MatrixFile:
                 raise text.fault(head, message, id="FE-125")
             continue
         while at < len(text.lines) and len(text.lines[at].split()) <= 2 and not text.holds_values(at):
-            *length, row = text.integers(at, (1, 2), "the heading of a string of values wanted", id="FE-127")
+            *length, row = text.integers(at, (1, 2), "expected the head of a string of values", id="FE-127")
             values, at = _values(text, at + 1, width)
             strings.append(((row if length else row % _PACKED) - 1, column - 1, values))
 
@@ -118,7 +118,7 @@ def _heading(text: _Text, at: int) -> tuple[int, int, int, str, int]:
     except ValueError:
         width = 0
     if not 1 <= width <= 999:
-        message = "columns, rows, form, type, name and format of an OP4 text matrix wanted"
+        message = "expected columns, rows, form, type, name and format of an OP4 text matrix"
         raise text.fault(at, message, id="FE-123")
     return columns, rows, kind, head[32:40].strip().upper(), width
 
@@ -133,7 +133,7 @@ def _values(text: _Text, at: int, width: int) -> tuple[np.ndarray, int]:
             try:
                 values.append(real(cell))
             except ValueError:
-                raise text.fault(at, f"a value wanted; read '{cell.strip()[:40]}'", id="FE-128") from None
+                raise text.fault(at, f"expected a value; read '{cell.strip()[:40]}'", id="FE-128") from None
         at += 1
     return np.array(values), at
 
@@ -180,7 +180,7 @@ def _layout(file: str, raw: bytes) -> _Layout:
         if length in (4 * _HEADING_WORDS, 8 * _HEADING_WORDS):
             return _Layout(file, order, length // _HEADING_WORDS)
     raise FEFileFault(
-        f"{file} is a binary file, but no OP4: its first record is not of 24 or 48 bytes (an OP2? write "
+        f"{file} is a binary file, but not an OP4: its first record is not of 24 or 48 bytes (an OP2? write "
         "OP4 by OUTPUT4, binary or as text)",
         id="FE-046",
     )
@@ -193,7 +193,7 @@ def _records(layout: _Layout, raw: memoryview) -> Iterator[memoryview]:
         length = struct.unpack_from(f"{layout.order}i", raw, at)[0] if at + 4 <= len(raw) else -1
         end = at + 4 + length
         if length < 0 or raw[end : end + 4] != raw[at : at + 4]:
-            message = f"the record at byte {at} has no end where its length says; was the file cut off?"
+            message = f"the record at byte {at} does not end where its length says; was the file cut off?"
             raise FEFileFault(f"{layout.file}: {message}", id="FE-047")
         yield raw[at + 4 : end]
         at = end + 4
@@ -229,7 +229,7 @@ def _read_binary(
 def _check(layout: _Layout, name: str, columns: int, rows: int, kind: int) -> None:
     if kind not in _REAL:
         what = "is complex" if kind in _COMPLEX else f"has type {kind}"
-        raise FEFileFault(f"{layout.file}: matrix {name} {what}; a real one wanted, type 1 or 2", id="FE-050")
+        raise FEFileFault(f"{layout.file}: matrix {name} {what}; it must be real, type 1 or 2", id="FE-050")
     if abs(rows) != columns or columns < 1:
         message = f"matrix {name} must be square; it has {abs(rows)} rows, {columns} columns"
         raise FEFileFault(f"{layout.file}: {message}", id="FE-051")

@@ -97,7 +97,7 @@ def node_of(line: Line, words: list[str]) -> tuple[int, list[float]]:
     except ValueError:
         read = " ".join(words)[:40]
         comma = "; write decimals with points, and no commas" if "," in read else ""
-        raise line.fault(f"id x y z wanted; read '{read}'{comma}", id="FE-131") from None
+        raise line.fault(f"expected id x y z; read '{read}'{comma}", id="FE-131") from None
     return placed(line, node, values)
 
 

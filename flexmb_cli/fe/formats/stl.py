@@ -44,7 +44,7 @@ def read_stl(path: Path) -> tuple[np.ndarray, np.ndarray]:
     elif raw[:1024].lstrip().lower().startswith(b"solid") and b"\0" not in raw[:1024]:
         corners = _text(path.name, raw)
     else:
-        message = "is no STL file: it neither begins with 'solid', nor has it the length of a binary one"
+        message = "is not an STL file: it neither begins with 'solid', nor has it the length of a binary one"
         if announced >= 0:
             message += (
                 f" (84 + 50 × {announced} bytes for the {announced} triangles that it announces; it has "
@@ -90,7 +90,7 @@ def _text(name: str, raw: bytes) -> Any:
         return np.array(words, dtype=bytes).astype(float).reshape(-1, 3)
     except ValueError:
         wrong = visible(next(word for word in words if not _is_number(word)).decode(errors="replace"))
-        message = f"{name} has a corner that is no number: it reads {wrong[:LONGEST_WORD]}"
+        message = f"{name} has a corner that is not a number: it reads {wrong[:LONGEST_WORD]}"
         raise FEFileFault(message, id="FE-079") from None
 
 

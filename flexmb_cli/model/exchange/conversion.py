@@ -56,16 +56,16 @@ class Conversion(ABC):
     def converted(self, shapes: Iterable[Shape], elements: JointElements) -> RigidModel:
         """Return the model with the cards of `shapes`; raises ModelError with all that is not converted."""
         for joint in elements.generals:
-            message = "lines JOINT of this type are not converted; give the joint anew in the other deck"
+            message = "lines JOINT of this type are not converted; write the joint by hand in the other deck"
             self.refusals.add(joint, message, id="SOLVE-184")
         for item in elements.on_crosses:
-            message = "elements in angles of universal joints are not converted; give them anew"
+            message = "elements in angles of universal joints are not converted; write them by hand"
             self.refusals.add(item, message, id="SOLVE-215")
         for switch in elements.switches:
             message = "lines CATCH and RELEASE are not converted; give the other deck the parts of one stage"
             self.refusals.add(switch, message, id="SOLVE-213")
         for track in elements.tracks:
-            message = "points on curves and rolling bodies are not converted; give them anew"
+            message = "points on curves and rolling bodies are not converted; write them by hand"
             self.refusals.add(track, message, id="MODEL-030")
         cards = tuple(self.shape(shape.card) for shape in shapes if shape.card)
         model = replace(self.model(), shapes=cards)

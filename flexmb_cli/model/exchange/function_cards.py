@@ -71,7 +71,7 @@ def _described(function: MotionFunction) -> str:
     if function.kind == COMPOUND:
         parts = [factor for factors in function.terms for factor in factors if not _card_of(simple(factor))]
         return f"a sum or product with {_described(parts[0])}"
-    return _NAMES.get(function.kind, "polynomials in pieces that are no table, spline, ramp or step")
+    return _NAMES.get(function.kind, "polynomials in pieces that are neither table, spline, ramp nor step")
 
 
 def _card_of(function: MotionFunction) -> tuple[str, tuple[float, ...]] | None:

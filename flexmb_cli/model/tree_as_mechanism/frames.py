@@ -97,8 +97,8 @@ def refuse_foreign(tree: Tree) -> None:
 def _one_way(tree: Tree) -> Iterator[Any]:
     if tree.one_way:
         message = (
-            "the one-way assumption (UNCO) is no equation of mechanics that absolute coordinates could "
-            f"share; {OTHERWISE}, or leave out UNCO"
+            "the one-way assumption (UNCO) does not exist in absolute coordinates; "
+            f"{OTHERWISE}, or leave out UNCO"
         )
         yield Fault("error", message, id="MODEL-006")
 

@@ -95,7 +95,9 @@ def _compare_stored(
     else:
         other = report.b if forms[0] == HDF5 else report.a
         form = (
-            "this is no HDF5 result, the other file is" if HDF5 in forms else "the two are of different forms"
+            "this is not an HDF5 result, the other file is"
+            if HDF5 in forms
+            else "the two are of different forms"
         )
         message = f"{form}; compare two tables, two HDF5 results, or an export with its HDF5 result"
         raise TableError(other, [Fault("error", message, id="DIFF-008")])
@@ -113,7 +115,7 @@ def accept(reference: Path | str, result: Path | str) -> None:
         _refuse(result, message, id="DIFF-035")
     failed, rows = _ending(result)
     if failed and not rows:
-        message = "its run failed before the first row: that is no reference, and nothing was accepted"
+        message = "its run failed before the first row: that is not a reference, and nothing was accepted"
         _refuse(result, message, id="DIFF-002")
     if failed and (is_missing(reference) or not _ending(reference)[0]):
         message = "its run did not complete: only a reference that did not either is replaced by it, and"
@@ -151,7 +153,7 @@ def accept_pair(compared: Compared, folder: str) -> None:
 def _new_reference(folder: str, pair: Pair) -> str:
     """Return the place of a reference that `folder` lacks: no link on the way to it is followed."""
     if not os.path.isdir(folder):
-        message = "a new reference needs a folder for A, and no pattern"
+        message = "a new reference needs a folder for A, not a pattern"
         raise TableError(pair.b or pair.name, [Fault("error", message, id="DIFF-013")])
     place = os.path.join(folder, pair.name)
     if os.path.lexists(place) or os.path.realpath(place) != os.path.join(

@@ -76,7 +76,7 @@ def read_csv(path: str) -> Columns:
         values = [_numbers(path, rows.line_num, row, len(heads)) for row in rows if row]
     except csv.Error as error:
         raise TableError(
-            path, [Fault("error", f"line {rows.line_num} is no row of a CSV table: {error}", id="DIFF-031")]
+            path, [Fault("error", f"line {rows.line_num} is not a row of a CSV: {error}", id="DIFF-031")]
         ) from error
     kinds = {head: kind_of_name(head.partition(" [")[0]) for head in heads}
     return Columns(path, heads, kinds, np.array(values, dtype=float).reshape(-1, len(heads)))

@@ -18,7 +18,7 @@ from ...solvers.as_printed.errors import ALL_ERRORS, AS_PRINTED
 from ...solvers.as_printed.program import AsPrinted
 from ...solvers.kinematics.rows import Rows
 
-ITERATION = "the program's iteration, which ends where no coordinate changes by more than 1e-4"
+ITERATION = "the program's iteration, which ends when no coordinate changes by more than 1e-4"
 DATASETS = {
     "position": ("position", "euler_parameters"),
     "velocity": ("velocity", "euler_parameter_rates", "angular_velocity"),

@@ -83,7 +83,7 @@ def _kind_of_file(path: str, file: h5py.File) -> str:
     for begins, what in KIND_OF_FILE.items():
         if conventions.startswith(begins) and REPORTED_BY[begins] in file:
             return what
-    message = "this HDF5 file is no result of flexmb: it lacks the attribute Conventions of one, or its rows"
+    message = "this HDF5 file is not a result of flexmb: it lacks their attribute Conventions, or its rows"
     raise TableError(path, [Fault("error", message, id="DIFF-005")])
 
 

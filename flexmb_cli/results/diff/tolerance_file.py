@@ -84,7 +84,7 @@ def _content(path: str) -> dict[str, Any]:
     except TomlError as error:
         where = f" (line {error.place.line}, column {error.place.column})" if error.place else ""
         raise ToleranceError(
-            f"--tolerances: {path} is no TOML file: {error}{where}", id="DIFF-022"
+            f"--tolerances: {path} is not a TOML file: {error}{where}", id="DIFF-022"
         ) from error
 
 

@@ -190,7 +190,7 @@ def check_look(path: str, look: BodyLook, ranges: Ranges, size: float) -> None:
     largest = largest_scale(ranges, size)
     if not 0 <= look.scale <= largest:
         message = (
-            f"deformations cannot be shown {look.scale:g} times as large; wanted is a scale from 0 to "
+            f"deformations cannot be shown {look.scale:g} times as large; choose a scale from 0 to "
             f"{largest:g}, where the largest is as large as the mechanism"
         )
         raise ResultError(path, message, id="RESULT-030")

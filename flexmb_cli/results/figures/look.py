@@ -137,7 +137,7 @@ def _use_style(name: str) -> None:
         near = get_close_matches(name, style.available, cutoff=0.4) or ["ggplot", "classic", "grayscale"]
         raise OSError(f"no such file, and no style of matplotlib, such as {', '.join(near)}, has this name")
     if Path(name).stat().st_size > LARGEST_STYLE:
-        raise OSError("it is no style file: it has more than a megabyte")
+        raise OSError("it is not a style file: it has more than a megabyte")
     messages: list[str] = []
     try:
         with _held_back(messages), warnings.catch_warnings():
@@ -145,7 +145,7 @@ def _use_style(name: str) -> None:
             warnings.simplefilter("ignore", UserWarning)
             style.use(Path(name))
     except UnicodeDecodeError:
-        raise OSError("it is no style file: its bytes are no text in UTF-8") from None
+        raise OSError("it is not a style file: it is not text in UTF-8") from None
     # Of a setting that stands twice the last one counts.
     places = (re.search(r", line #?(\d+)", each) for each in messages if not each.startswith("Duplicate"))
     numbers = [int(place[1]) for place in places if place]

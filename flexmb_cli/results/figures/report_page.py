@@ -185,7 +185,7 @@ def report_page(result: h5py.File, look: BodyLook = DEFAULT_LOOK, words: PageWor
 
     Raises `ResultError` when the file has no deck."""
     if "deck" not in result:
-        raise ResultError(result.filename, "this is no result of a run: it has no deck", id="RESULT-001")
+        raise ResultError(result.filename, "this is not a result of a run: it has no deck", id="RESULT-001")
     scene = report_scene(result, look)
     check_shapes(result, AUDITED, {})
     script = viewer_script()
@@ -321,7 +321,7 @@ def _run(result: h5py.File) -> list[tuple[str, str]]:
 def _deck(result: h5py.File) -> str:
     dataset = result["deck"]
     if not isinstance(dataset, h5py.Dataset) or not is_text(dataset) or dataset.shape:
-        raise Damaged("/deck is no text")
+        raise Damaged("/deck is not a text")
     return str(dataset.asstr(errors="replace")[()])
 
 

@@ -2,7 +2,7 @@
 
 A file is synced before it is moved, its folder after that: a loss of power leaves the old or the new file.
 
-What is no regular file (a pipe, /dev/null, /dev/stdout) is written to directly: moving a file over it
+What is not a regular file (a pipe, /dev/null, /dev/stdout) is written to directly: moving a file over it
 would destroy it.  Opening a pipe without a reader would block for ever, signals included.
 """
 
@@ -147,7 +147,7 @@ def open_special(path: str) -> int:
 class Replacement:
     """A file that will stand at `path`; until `commit` it is written at `temporary`.
 
-    `direct`: `path` is no regular file, and `temporary` is the thing itself; only where `special` allows it.
+    `direct`: `path` is not a regular file, and `temporary` is the thing itself; only if `special` allows it.
     Raises `OutputError` when the folder is missing or cannot be written.
     """
 
@@ -158,7 +158,8 @@ class Replacement:
         self.direct = _is_special(self._target)
         if self.direct and not special:
             raise OutputError(
-                f"{self.path}: cannot be written: it is no regular file, but a pipe or a device; remove it",
+                f"{self.path}: cannot be written: it is not a regular file, but a pipe or a device; "
+                "remove it",
                 id="RESULT-051",
             )
         self._hold: int | None = None
@@ -288,7 +289,7 @@ def write_whole(path: str, data: bytes) -> None:
 
 
 def write_together(contents: Mapping[Any, bytes], special: bool = False) -> None:
-    """Put the contents at their paths, all or none, into what is no regular file only where `special`."""
+    """Put the contents at their paths, all or none, into what is not a regular file only where `special`."""
     places: list[Replacement] = []
     try:
         for path, data in contents.items():

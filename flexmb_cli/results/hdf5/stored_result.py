@@ -242,7 +242,7 @@ def place_of(dataset: h5py.Dataset) -> int:
 def texts(dataset: h5py.Dataset) -> list[str]:
     """The texts of a list of names, as they can be shown."""
     if not isinstance(dataset, h5py.Dataset) or not is_text(dataset) or dataset.ndim != 1:
-        raise Damaged(f"{_reported(dataset.name or 'a dataset')} is no list of names")
+        raise Damaged(f"{_reported(dataset.name or 'a dataset')} is not a list of names")
     return [visible(text) for text in dataset.asstr(errors="replace")[:].tolist()]
 
 
@@ -279,7 +279,7 @@ def check_shapes(result: h5py.File, shapes: Mapping[str, str], sizes: dict[str, 
             continue
         dataset = result[path]
         if not isinstance(dataset, h5py.Dataset) or dataset.ndim != len(letters):
-            raise Damaged(f"/{_reported(path)} is no array of {len(letters)} axes")
+            raise Damaged(f"/{_reported(path)} is not an array of {len(letters)} axes")
         if is_text(dataset) != path.endswith(("name", "message")):
             raise Damaged(f"/{_reported(path)} has numbers in place of text, or text in place of numbers")
         for letter, length in zip(letters, dataset.shape, strict=True):

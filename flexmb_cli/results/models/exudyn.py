@@ -168,7 +168,7 @@ _REFUSED = {
 }
 _REFUSED_LAWS = {
     BUSHING: (
-        "bushings do not convert: Exudyn's have other angles where a body turns about several axes",
+        "bushings do not convert: Exudyn's have other angles if a body turns about several axes",
         "RESULT-071",
     ),
     FRICTION: ("friction does not convert: Exudyn's has no normal force of the joint", "RESULT-073"),

@@ -63,7 +63,7 @@ def function_text(function: MotionFunction) -> str:
     if function.kind == COMPOUND:
         terms = (f"({', '.join(map(function_text, term))},)" for term in function.terms)
         return f"products({', '.join(terms)})"
-    raise ValueError("signals of a model are no functions")
+    raise ValueError("signals of a model are not functions")
 
 
 def table_pieces(function: MotionFunction) -> Pieces:

@@ -204,7 +204,7 @@ class Assembly:
             if a == b == HINGE and abs(first.axis @ second.axis) < _SAME_PLACE and away < _SAME_PLACE:
                 return "universal"
         message = (
-            f"{' and '.join(kinds)} of one body are no joint of flexmb: give it bodies between "
+            f"{' and '.join(kinds)} of one body are not a joint of flexmb: give it bodies between "
             "them, with one joint each"
         )
         raise refuse(link.name, message, "RESULT-160")

@@ -58,7 +58,7 @@ def _end(joint: Element, tag: str, bodies: dict[str, Element]) -> str:
     item = joint.find(tag)
     name = "" if item is None else item.get("link", "")
     if name not in bodies:
-        raise refuse(_name(joint), f"its {tag} is no link: {name or 'none'}", "RESULT-166")
+        raise refuse(_name(joint), f"its {tag} is not a link: {name or 'none'}", "RESULT-166")
     return name
 
 
@@ -69,7 +69,7 @@ def _link(item: Element, joint: Element | None, number: dict[str, int]) -> Link:
         link.frame = _origin(joint)
         kind = _KINDS.get(joint.get("type", ""))
         if kind is None:
-            message = f"a joint {joint.get('type')} is no joint of flexmb"
+            message = f"a joint {joint.get('type')} is not a joint of flexmb"
             raise refuse(_name(joint), message, "RESULT-167")
         link.joints = [_joint(joint, kind)] if kind else []
     inertial = item.find("inertial")
@@ -152,7 +152,7 @@ def numbers(text: str, count: int, name: str) -> np.ndarray:
     except ValueError:
         values = np.empty(0)
     if len(values) != count or not np.isfinite(values).all():
-        raise refuse(name, f"{count} numbers are wanted; read {text!r}", "RESULT-170")
+        raise refuse(name, f"expected {count} numbers; read {text!r}", "RESULT-170")
     return values
 
 

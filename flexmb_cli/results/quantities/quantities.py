@@ -83,14 +83,14 @@ def open_result(path: Path | str) -> Iterator[h5py.File]:
             if attribute(file, "Conventions").startswith("flexmb-study"):
                 raise ResultError(
                     path,
-                    "this is the table of a study, which flexmb table prints; no result",
+                    "this is the table of a study, not a result; flexmb table prints it",
                     id="RESULT-018",
                 )
             if newer := newer_layout(file):
                 raise ResultError(path, newer, id="RESULT-076")
             if not isinstance(file.get(TIME), h5py.Dataset):
                 raise ResultError(
-                    path, "this HDF5 file is no result of flexmb: it has no dataset /time", id="RESULT-019"
+                    path, "this HDF5 file is not a result of flexmb: it has no dataset /time", id="RESULT-019"
                 )
             check_shapes(file, {TIME: "t"}, {})
             _check_times(file[TIME])
@@ -104,7 +104,7 @@ def _check_times(times: h5py.Dataset) -> None:
     for start in range(0, len(times), TIMES_AT_ONCE):
         part = times[max(0, start - 1) : start + TIMES_AT_ONCE]
         if not (np.isfinite(part).all() and (np.diff(part) > 0).all()):
-            raise Damaged("the times of its rows do not ascend, or are no numbers")
+            raise Damaged("the times of its rows do not ascend, or are not numbers")
 
 
 def _other_kind(path: Path | str, error: Exception) -> ResultError:
@@ -119,9 +119,9 @@ def _other_kind(path: Path | str, error: Exception) -> ResultError:
         message = f"this is a text, not an HDF5 result{_result_beside(path)}"
         return ResultError(path, message, id="RESULT-065")
     if "truncated file" in str(error):
-        message = "the file is cut off: copy it anew, or run the deck again"
+        message = "the file is cut off: copy it again, or run the deck again"
         return ResultError(path, message, id="RESULT-066")
-    return ResultError(path, f"this is no HDF5 result that can be read: {error}", id="RESULT-017")
+    return ResultError(path, f"this is not an HDF5 result that can be read: {error}", id="RESULT-017")
 
 
 def _result_beside(path: Path | str) -> str:

@@ -85,7 +85,7 @@ def _refuse(model: Any, run: Run) -> None:
     for signal in model.elements.signals:
         if signal.states or signal.kind == SAMPLE_SIGNAL:
             message = (
-                "has states or samples, which do not continue where parts are caught or let go; leave it out"
+                "has states or samples, which do not continue when parts are caught or let go; leave it out"
             )
             faults.append(Fault("error", message, signal.place, signal.name, id="SOLVE-188"))
     for item in model.elements.forces:

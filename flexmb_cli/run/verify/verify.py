@@ -165,7 +165,7 @@ def verify_deck(
 def _refuse_rest(model: Any) -> None:
     elements = getattr(model, "elements", None)
     if elements is not None and elements.rests:
-        message = "verify begins both motions where the deck does; leave out this line in a copy of the deck"
+        message = "verify begins both motions as the deck does; leave out this line in a copy of the deck"
         [line] = elements.rests
         raise ModelError([Fault("error", message, line.place, line.name, id="SOLVE-182")])
     refuse_switches(elements, "verify")

@@ -34,7 +34,7 @@ SHOWN_OWNERS = 6
 SHOWN_TIMES = 10
 UNDETERMINED = "SOLVE-041"
 GO_ON = (
-    "; where the motion locks, free it or end the run before; where it should pass, try a tolerance ten "
+    "; if the motion locks, free it or end the run before; if it should pass, try a tolerance ten "
     "times as large or as small"
 )
 IMPLICIT = tuple(word for word, method in METHODS.items() if method.implicit)
@@ -129,7 +129,7 @@ def bushing_failure(number: int, t: float) -> AnalysisError:
     message = (
         f"at t = {t:.6g} s the bodies of bushing {number + 1} have turned by a quarter turn against each "
         "other, beyond which its angles jump; end the run before, make it stiffer, or give it stiffness and "
-        "damping about one axis only where the bodies turn about that axis"
+        "damping only about the one axis that the bodies turn about"
     )
     return AnalysisError(Fault("error", message, None, f"bushing {number + 1}", id="SOLVE-039"), t)
 
@@ -216,7 +216,7 @@ def note_undetermined_rows(analysis: ConstrainedState, report: Report) -> None:
     shown = ", ".join(f"{t:.6g}" for t in times[:SHOWN_TIMES])
     others = f" s and {len(times) - SHOWN_TIMES} others" if len(times) > SHOWN_TIMES else " s"
     message = (
-        f"at t = {shown}{others} a row stands so near to a singular position that round-off rules what the "
+        f"at t = {shown}{others} a row is so near to a singular position that round-off rules what the "
         "equations say: accelerations are those of the step over it (nan at the end of the run), reactions "
         "are not determined (nan)"
     )

@@ -330,7 +330,7 @@ def _refuse_contradiction(
         worst = rates[int(np.argmax(missed))]
         message = (
             f"at t = {t:.6g} s the initial joint rates contradict each other, or what joints, couplings and "
-            f"drivers allow ({worst.name}); give fewer rates, or such as fit"
+            f"drivers allow ({worst.name}); give fewer rates, or rates that fit"
         )
         raise ModelError([about("error", message, worst, id="SOLVE-050")])
     worst = equations[int(np.argmax(np.abs(rest[: len(equations)])))]

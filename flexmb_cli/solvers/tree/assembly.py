@@ -144,7 +144,7 @@ def _kept(tree: Tree, arrays: TreeArrays) -> np.ndarray:
 def _one_way_fault(tree: Tree) -> Fault:
     closure = tree.closures[0]
     message = (
-        "closed loops need the coupled equations: where bodies of a loop deflect, their rigid motion depends "
+        "closed loops need the coupled equations: if bodies of a loop deflect, their rigid motion depends "
         "on the elastic motion, which UNCO excludes; drop UNCO (or LOOP)"
     )
     return Fault("error", message, closure.place, closure.name, id="SOLVE-027")

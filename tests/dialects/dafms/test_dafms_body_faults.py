@@ -100,7 +100,7 @@ CASES = [
     ),
     pytest.param(
         deck_text("two_link_n2", ("NOFP\n    1    2\n    2    2", "NOFP\n    1    2\n    2    3")),
-        ["45:10: error: hinge of body 2: NP = 3 is no node of body 1, which has 2"],
+        ["45:10: error: hinge of body 2: NP = 3 is not a node of body 1, which has 2"],
         id="a node that the parent has not",
     ),
     pytest.param(
@@ -146,8 +146,8 @@ CASES = [
         ),
         [
             (
-                "32:13: error: EULL of body 1: four zeros are no attitude; not turned is 0.0 0.0 0.0 "
-                "1.0, the scalar last"
+                "32:13: error: EULL of body 1: four zeros are not an attitude; write 0.0 0.0 0.0 "
+                "1.0 for no turn, the scalar last"
             )
         ],
         id="four zeros are no attitude",
@@ -186,7 +186,7 @@ CASES = [
     ),
     pytest.param(
         deck_text("pendulum_strict", ("EULT\n    1-.70356242", "EULT\n    1 .70356242")),
-        [("29:7: warning: body 1: EULT is not used: the angle -1.5607963 rad in Y(L) rules (coordinate 1)")],
+        ["29:7: warning: body 1: EULT is not used: the angle -1.5607963 rad in Y(L) applies (coordinate 1)"],
         id="an attitude that contradicts the angle",
     ),
 ]

@@ -94,7 +94,7 @@ CASES = [
     ),
     pytest.param(
         deck_text("fourbar_rigid", ("END \n", "NROT\n    1\n    1    1\nEND \n")),
-        ["58:5: error: nodal rotation 1: K = 1 is no flexible body"],
+        ["58:5: error: nodal rotation 1: K = 1 is not a flexible body"],
         id="rotations of a body without nodes",
     ),
 ]

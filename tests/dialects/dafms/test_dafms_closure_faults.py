@@ -52,7 +52,7 @@ CASES = [
     ),
     pytest.param(
         deck_text("pendulum_strict", ("END \n", "METH\n    5\nEND \n")),
-        ["39:5: error: METH: METH = 5 is no integrator: 1 dop853, 2 radau, 3 lsoda, 4 sdirk4"],
+        ["39:5: error: METH: METH = 5 is not an integrator: 1 dop853, 2 radau, 3 lsoda, 4 sdirk4"],
         id="an integrator that does not exist",
     ),
     pytest.param(
@@ -125,7 +125,7 @@ CASES = [
         deck_text("pendulum_strict", ("Y(L)\n       0.0       0.0-1.5607963       .14\n", "")),
         [
             "1:5: warning: card 'Y(L)' is missing: the motion starts at rest from zero coordinates",
-            "29:6: warning: body 1: EULT is not used: the angle 0.0 rad in Y(L) rules (coordinate 1)",
+            "29:6: warning: body 1: EULT is not used: the angle 0.0 rad in Y(L) applies (coordinate 1)",
             "33:1: warning: X(L): X(1) = -1.5607963 is not used: Y(L) gives 0.0 for this coordinate",
         ],
         id="Y(L) is missing",

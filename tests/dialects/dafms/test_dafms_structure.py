@@ -79,8 +79,8 @@ CASES = [
         deck_text("two_link_n2", ("    1    2\n    1    3\n109714", "    1    2\n    2    3\n109714")),
         [
             (
-                "17:5: error: JDI of body 1: JDI(1) = 2 is no diagonal's address, expected 1: a column "
-                "holds at most as many entries as its number, the diagonal last"
+                "17:5: error: JDI of body 1: JDI(1) = 2 is not the address of a diagonal, expected 1: a "
+                "column holds at most as many entries as its number, the diagonal last"
             )
         ],
         id="a first address other than 1",
@@ -89,8 +89,8 @@ CASES = [
         deck_text("two_link_n2", ("    1    2\n    1    3\n109714", "    1    2\n    1    4\n109714")),
         [
             (
-                "17:10: error: JDI of body 1: JDI(2) = 4 is no diagonal's address, expected 2 to 3: a "
-                "column holds at most as many entries as its number, the diagonal last"
+                "17:10: error: JDI of body 1: JDI(2) = 4 is not the address of a diagonal, expected 2 to 3: "
+                "a column holds at most as many entries as its number, the diagonal last"
             )
         ],
         id="an address that skips too far",

@@ -219,7 +219,7 @@ def test_the_rotation_of_a_beams_node_is_offered():
 def test_a_node_that_turns_is_one_of_a_flexible_body():
     tables = "1 1 1", "0 0", "1 3 1", "0 0"
     rigid = with_tables([*ROD, "2.5", "0.3 0 0.3"], *tables)
-    assert [f.sentence for f in rigid.answer("1 1")] == ["nodal rotation 1: K = 1 is no flexible body"]
+    assert [f.sentence for f in rigid.answer("1 1")] == ["nodal rotation 1: K = 1 is not a flexible body"]
     beam = with_tables(FLEXIBLE, *tables)
     assert [f.sentence for f in beam.answer("1 4")] == ["nodal rotation 1: I = 4: body 1 has nodes 1 to 3"]
 

@@ -97,7 +97,8 @@ USAGE = (
          "7:15: a: joint 2 (revolute joint 1) has an angle, not a stroke; take 2.angle"),
         ("  SPRING a at=9.angle", "7:15: a: joint number 9 is outside 1..2"),
         ("  SPRING a at=2.r1",
-         "7:15: a: a joint has the coordinates angle and stroke, such as 2.angle; read 2.r1"),
+         "7:15: a: a joint has the coordinates angle and stroke, a universal joint "
+         "angle1 and angle2, such as 2.angle; read 2.r1"),
         ("  STOP a at=2.angle lower=1 upper=-1 stiffness=3",
          "7:35: a: upper must be larger than lower, 1; read -1"),
         ("  STOP a at=2.angle lower=-1 upper=1 stiffness=-3",
@@ -150,7 +151,7 @@ def test_a_slip_is_reported_with_place_object_and_remedy(line, wanted):
     ("numbers", "wanted"),
     [
         ("friction=0.3 static=0.1", "7:111: warning: c: static 0.1 is less than friction 0.3, which then"),
-        ("speed=2", "7:97: note: c: speed says nothing where restitution is 1"),
+        ("speed=2", "7:97: note: c: speed has no effect if restitution is 1"),
     ],
 )  # fmt: skip
 def test_numbers_of_contacts_without_effect_are_named(numbers, wanted):

@@ -198,7 +198,7 @@ def test_files_are_read_in_their_unit_and_open_ones_refused(tmp_path):
         "MASS a point body=7 mass=1": "body number 7 is outside 1..2",
         "MASS a point body=2 mass=-1": "mass must be above 0",
         "MASS a point body=2 density=1": "point takes mass=",
-        "MASS a box body=2 mass=1": "box takes size=; not so size",
+        "MASS a box body=2 mass=1": "box takes size=; correct size",
         "MASS a box body=2 mass=1 density=2 size=(1,1,1)": "either mass= or density= must be given",
         "MASS a sphere body=2 mass=1 size=(1,1,0)": "size.y of a sphere is not read",
         "MASS a stl body=2 density=1 file=none.stl": "none.stl",

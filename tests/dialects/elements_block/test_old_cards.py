@@ -118,7 +118,7 @@ def test_an_old_card_is_an_error_that_prints_the_line_of_the_block(dialect, card
     text = TEXTS[dialect](card)
     (fault,) = errors(text)
     word = card.split()[0]
-    assert fault.message.startswith(f"{word} is no card any more")
+    assert fault.message.startswith(f"{word} is no longer a card")
     assert line in fault.message and (f"ELEMENTS: {line}" in fault.message) == bool(line)
     first = text[: text.index(card)].count("\n") + 1
     assert first <= fault.place.line <= first + card.count("\n")

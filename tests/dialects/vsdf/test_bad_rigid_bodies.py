@@ -117,7 +117,7 @@ RIGID_MODELS = [
     (
         "mask",
         changed(("GRAV\n", "PINN\n    2    3  121\nGRAV\n")),
-        ["26:13: error: pin 1: mask 121 wanted as three digits 0 or 1 for x y z, such as 111 or 101"],
+        ["26:13: error: pin 1: mask 121 must be three digits 0 or 1 for x y z, such as 111 or 101"],
     ),
     (
         "law",

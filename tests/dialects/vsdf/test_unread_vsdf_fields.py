@@ -162,7 +162,7 @@ WITHOUT_EFFECT = [
     (
         "a sine without frequency",
         changed(("GRAV\n", "MOTN\n    1 ANGL    1    3       0.0       1.0\nGRAV\n")),
-        ["26:41: error: motion 1: the sine needs c2, rad/s; it stands still without"],
+        ["26:41: error: motion 1: the sine needs c2, rad/s; without it nothing moves"],
     ),
     (
         "a screw without pitch",
@@ -197,7 +197,7 @@ BESIDE_FIELDS = [
     (
         "a keyword without data",
         changed(("GRAV\n       0.0     -9.81       0.0\n", "GRAV along y\n")),
-        ["25:1: warning: GRAV: no data card stands below the keyword, so it says nothing"],
+        ["25:1: warning: GRAV: no data card follows the keyword, so it has no effect"],
     ),
     (
         "numbers with a unit after the keyword",

@@ -87,4 +87,4 @@ def test_a_title_above_the_counts_is_told_to_stand_in_braces(counts):
 def test_slips_of_a_scan_in_a_listing_get_the_remedy_of_decks(word, remedy):
     columns = Columns("body", ("X", "Y"), ("position", "position"), (3, 3), 10)
     fault = row_fault("position", 1, f" {word} 1.000", 4, 3, columns)
-    assert fault.message.endswith(f"{word!r} is no number of this table: {remedy}")
+    assert fault.message.endswith(f"{word!r} is not a number of this table: {remedy}")

@@ -143,8 +143,8 @@ def test_a_trillion_bodies_in_a_small_file_take_no_memory():
 @pytest.mark.parametrize(
     ("end", "said"),
     [
-        ("0 0 2.5 0.1", "after Ti, Te and dT = 2.5 stands a number more; is one before it too many?"),
-        ("0 2.5 0.1 7", "after Ti, Te and dT = 0.1 stands a number more; is one before it too many?"),
+        ("0 0 2.5 0.1", "one more number follows Ti, Te and dT = 2.5; is one before it too many?"),
+        ("0 2.5 0.1 7", "one more number follows Ti, Te and dT = 0.1; is one before it too many?"),
         ("0 2.5 0.1\n0 5 0.1", "the deck is complete before this line; its numbers are ignored"),
         ("0 2.5 0.1 s, as printed", None),
         ("0 2.5 0.1\n1996, by hand", None),

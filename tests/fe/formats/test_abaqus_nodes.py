@@ -163,7 +163,7 @@ REFUSED = {
     "a parabola": (ENDS + "*NGEN, LINE=P\n1,13,4,5\n", "line 10: the option LINE of *NGEN is not read"),
     "uneven lengths": (ENDS + "*NFILL, BIAS=0.5\nA,B,3,4\n", "the option BIAS of *NFILL is not read"),
     "an unknown option": ("*NODE, SYSTM=C\n1,0,0,0\n", "line 1: the option SYSTM of *NODE is not read"),
-    "an unknown system": ("*NODE, SYSTEM=Q\n1,0,0,0\n", "SYSTEM=Q is unknown; R, C or S wanted"),
+    "an unknown system": ("*NODE, SYSTEM=Q\n1,0,0,0\n", "SYSTEM=Q is unknown; expected R, C or S"),
     "an import": ("*INSTANCE, LIBRARY=old, NAME=p\n*END INSTANCE\n", "the option LIBRARY of *INSTANCE"),
     "an encrypted file": ("*INCLUDE, INPUT=a, PASSWORD=b\n", "line 1: *INCLUDE: it makes, moves"),
     "a file without a name": ("*INCLUDE\n", "line 1: *INCLUDE: it makes"),
@@ -178,11 +178,11 @@ REFUSED = {
     ),
     "a rotation without an axis": (BAR_1 + "*INSTANCE, NAME=a, PART=p\n1\n1,1,1,1,1,1,5\n", "points of an"),
     "three points on a line": ("*SYSTEM\n0,0,0,1,1,1\n2,2,2\n*NODE\n1,0,0,0\n", "lie on one line"),
-    "decimal commas": ("*NODE\n2, 0,5, 0,0, 0,0\n", "line 2: three coordinates with decimal points wanted"),
+    "decimal commas": ("*NODE\n2, 0,5, 0,0, 0,0\n", "line 2: expected three coordinates with decimal points"),
     "a step of 0": (ENDS + "*NGEN\n1,13,0\n", "an increment of 0 does not lead from 1 to 13"),
     "a step the wrong way": (ENDS + "*NGEN\n1,13,-4\n", "an increment of -4 does not lead from 1 to 13"),
     "a step that misses": (ENDS + "*NGEN\n1,13,5\n", "an increment of 5 does not lead from 1 to 13"),
-    "no numbers": (ENDS + "*NGEN\nA,B\n", "line 11: whole numbers wanted; read 'A B'"),
+    "no numbers": (ENDS + "*NGEN\nA,B\n", "line 11: expected whole numbers; read 'A B'"),
     "an unknown end": (ENDS + "*NGEN\n1,99,1\n", "*NGEN: node 99 is not defined before"),
     "a billion nodes": ("*NODE\n1,0,0,0\n999999999,1,0,0\n*NGEN\n1,999999999\n", "more than 1000000 nodes"),
     "a billion in sets": (
@@ -203,7 +203,7 @@ REFUSED = {
     "an empty name": ("*INCLUDE, INPUT=\n", "x, line 1: the file included here: "),
     "a name that is none": ("*INCLUDE, INPUT=a\0b\n", "x"),
     "itself": ("*INCLUDE, INPUT=x\n", "x, line 1: x includes itself"),
-    "a device": ("*INCLUDE, INPUT=/dev/zero\n", "zero is no regular file"),
+    "a device": ("*INCLUDE, INPUT=/dev/zero\n", "zero is not a regular file"),
 }  # fmt: skip
 
 
@@ -265,7 +265,7 @@ HIDDEN = {
         "*ELEMENT, TYPE=C3D8, SOLID ELEMENT NUMBERING=FIDAP\n",
         "the option SOLID ELEMENT NUMBERING",
     ),
-    "a mass": ("*ELEMENT, TYPE=MASS\n1,1\n", "stresses are known of tetrahedra"),
+    "a mass": ("*ELEMENT, TYPE=MASS\n1,1\n", "stresses are computed for tetrahedra"),
 }
 
 

@@ -177,7 +177,7 @@ REFUSED_ARCHIVES = {
     "turned axes of N": ("N,1,0,0,0,90\n", "the axes of node 1 are rotated"),
     "a cylindrical system": ("CSYS,1\nN,1,1,90,0\n", "nodes in the coordinates of CSYS,1; write the archive"),
     "a local system": ("LOCAL,11,1,0,0,0\n" + nblock(), "nodes in the coordinates of LOCAL,11"),
-    "a node without number": ("N,,0,0,0\n", "line 1: id x y z wanted"),
+    "a node without number": ("N,,0,0,0\n", "line 1: expected id x y z"),
     "decimal commas": ("N,1,0,5,0,0,0,1\n", "the axes of node 1 are rotated"),
     "a block cut off": (nblock()[:800], "NBLOCK does not end with -1; is the file cut off?"),
     "a block without a format": ("NBLOCK,6,SOLID", "x, line 2: a format such as"),
@@ -220,7 +220,7 @@ def test_elements_by_other_commands_are_refused(tmp_path, line):
 
 
 TEXTS = {
-    "a decimal comma": ("1 0 0 0\n2 0 0 0,08\n", "id x y z wanted; read '2 0 0 0,08'; write decimals"),
+    "a decimal comma": ("1 0 0 0\n2 0 0 0,08\n", "expected id x y z; read '2 0 0 0,08'; write decimals"),
     "a list in cylindrical coordinates": (
         " LIST ALL SELECTED NODES.   DSYS=      1\n 1 1. 90. 0.\n", "list the nodes after DSYS,0",
     ),

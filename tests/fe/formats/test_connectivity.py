@@ -72,7 +72,11 @@ REFUSED = {
         "*ELEMENT, TYPE=S4\n1, 1, 2, 3, 4\n",
         "x holds no elements in format INP but 1 S4; tetrahedra of 4 or 10 and hexahedra of 8 or 20 nodes",
     ),
-    "a wedge": ("BDF", "CPENTA,3,1,1,2,3,4,5,6\n", "x, line 1: CPENTA 3: stresses are known of tetrahedra"),
+    "a wedge": (
+        "BDF",
+        "CPENTA,3,1,1,2,3,4,5,6\n",
+        "x, line 1: CPENTA 3: stresses are computed for tetrahedra",
+    ),
     "a brick with a node twice": (
         "CDB",
         cdb([11, 12, 13, 13, 15, 16, 17, 17]),
@@ -91,7 +95,7 @@ REFUSED = {
     "two types of as many nodes": (
         "INP",
         FILES["INP 20"][0] + FILES["INP 20"][0].replace("C3D20R", "C3D20").replace("5, ", "6, ", 1),
-        "x mixes elements of types C3D20 and C3D20R; one type is wanted",
+        "x mixes elements of types C3D20 and C3D20R; use one type",
     ),
     "an element twice": (
         "INP",
@@ -111,7 +115,7 @@ REFUSED = {
     "a word": (
         "INP",
         "*ELEMENT, TYPE=C3D8\n1, 2, 3, four, 5, 6, 7, 8, 9\n",
-        "x, line 2: whole numbers wanted",
+        "x, line 2: expected whole numbers",
     ),
     "none": ("INP", "*NODE\n1, 0, 0, 0\n", "x holds no elements in format INP"),
     "a table of nodes": (

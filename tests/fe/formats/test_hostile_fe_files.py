@@ -35,13 +35,13 @@ MATRICES = {
     "an Abaqus direction 0": ("ABQ", "1,0,1,1,2.0\n", "count from 1"),
     "an Abaqus row 0": ("ABQ", "0,1,2.0\n", "count from 1"),
     "a DMIG point of too many digits": (
-        "DMIG", f"DMIG,K,0,6,2,0\nDMIG,K,{LONG},1,,1,1,1.0\n", "a grid point wanted",
+        "DMIG", f"DMIG,K,0,6,2,0\nDMIG,K,{LONG},1,,1,1,1.0\n", "expected a grid point",
     ),
     "a DMIG component with an underscore": (
-        "DMIG", "DMIG,K,0,6,2,0\nDMIG,K,1_0,1,,1,1,1.0\n", "a grid point wanted",
+        "DMIG", "DMIG,K,0,6,2,0\nDMIG,K,1_0,1,,1,1,1.0\n", "expected a grid point",
     ),
-    "OP4 text without a width": ("OP4", OP4.replace("E23", "E0"), "wanted"),
-    "OP4 text with a negative width": ("OP4", OP4.replace("E23", "E-3"), "wanted"),
+    "OP4 text without a width": ("OP4", OP4.replace("E23", "E0"), "expected"),
+    "OP4 text with a negative width": ("OP4", OP4.replace("E23", "E-3"), "expected"),
     "an OP4 column of fewer values than it announces": (
         *("OP4", OP4 + "       1       1       4\n 1.0\n" + OP4_END, "announces 4 words and holds 1 values"),
     ),
@@ -117,7 +117,7 @@ TABLES = {
 def test_a_node_table_is_refused_at_its_line(tmp_path, case):
     form, text = TABLES[case]
     (tmp_path / "x").write_text(text)
-    with pytest.raises(FEFileFault, match=r"x, line \d: .*(wanted|not finite|farther off)"):
+    with pytest.raises(FEFileFault, match=r"x, line \d: .*(expected|be real|not a? ?finite|farther off)"):
         read_node_table(tmp_path / "x", form)
 
 
@@ -151,7 +151,7 @@ PLACES = {
 def test_what_is_no_regular_file_is_refused_instead_of_waited_for(tmp_path, case):
     """A deck names these files: one in a stranger's deck must not hold a run for ever."""
     (tmp_path / "link").symlink_to(PLACES[case](tmp_path))
-    with pytest.raises(FEFileFault, match=r"no regular file|cannot be read"):
+    with pytest.raises(FEFileFault, match=r"not a regular file|cannot be read"):
         file_text.bytes_of(tmp_path / "link")
 
 

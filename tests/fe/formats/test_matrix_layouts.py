@@ -214,7 +214,7 @@ def _dmig_of_corners(matrix):
             "node 15, direction 1 stands 2 times",
         ),
         ("9.7255855369618e+08\n8", "8", "make a matrix of 300 values; this one has 299"),
-        ("8.0890908962948e+07, ", "8.0890908962948f+07, ", "line 9: values by commas wanted"),
+        ("8.0890908962948e+07, ", "8.0890908962948f+07, ", "line 9: expected values separated by commas"),
         ("*MATRIX,TYPE=MASS", "*MATRIX,TYPE=MASS,SCALE FACTOR=2", "SCALE FACTOR is not read"),
         ("*MATRIX,TYPE=MASS", "*DAMPING", "*DAMPING is not read"),
         ("LINEAR", "FILE=9", "FILE is not read; export"),

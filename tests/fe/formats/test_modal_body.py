@@ -141,9 +141,9 @@ REFUSED = {
     "another inertia": ({"_12": " ".join(["23"] + ["0"] * 12)}, "record group 12 of x.fem differ"),
     "initial values": ({"_3": "0 0 1e-3 0 0 0 0 0"}, "record group 3 start deformed"),
     "rejected modes": ({"_1": "** h\nREV0 16 8 0 0 1"}, "rejected modes are not read"),
-    "a number too few": ({"_7": "0 0"}, "record group 7 holds 2 numbers; 16 wanted"),
+    "a number too few": ({"_7": "0 0"}, "record group 7 holds 2 numbers; expected 16"),
     "a number that is not finite": ({"_10": "1e999 " * 64}, "group 10 holds a number that is not finite, or"),
-    "a word": ({"_7": "0 x"}, "numbers wanted; read '0 x'"),
+    "a word": ({"_7": "0 x"}, "expected numbers; read '0 x'"),
     "a heading without sizes": ({"_1": "** h\nREV0 16"}, "a revision and the numbers"),
 }  # fmt: skip
 

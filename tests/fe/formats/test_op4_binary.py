@@ -96,7 +96,9 @@ def test_a_file_cut_off_is_told_with_the_byte(tmp_path):
     """32 bytes of heading, 52 a column: the last column begins at 188, the closing record at 240."""
     whole = Writer().dense(K)
     message = reported(tmp_path, whole[:-30])
-    assert message == "x.op4: the record at byte 188 has no end where its length says; was the file cut off?"
+    assert message == (
+        "x.op4: the record at byte 188 does not end where its length says; was the file cut off?"
+    )
     message = reported(tmp_path, whole[:240])
     assert message == "x.op4: matrix KAAX of 4 columns does not end; is the file cut off?"
 
@@ -104,12 +106,14 @@ def test_a_file_cut_off_is_told_with_the_byte(tmp_path):
 def test_another_binary_file_is_told_from_op4(tmp_path):
     """An OP2 begins with a record of one integer."""
     message = reported(tmp_path, Writer().record((3,)) + bytes(40))
-    assert message.startswith("x.op4 is a binary file, but no OP4: its first record is not of 24 or 48 bytes")
+    assert message.startswith(
+        "x.op4 is a binary file, but not an OP4: its first record is not of 24 or 48 bytes"
+    )
 
 
 def test_complex_and_oblong_matrices_are_refused(tmp_path):
     assert reported(tmp_path, Writer(kind=4).heading(4, 4)) == (
-        "x.op4: matrix KAAX is complex; a real one wanted, type 1 or 2"
+        "x.op4: matrix KAAX is complex; it must be real, type 1 or 2"
     )
     assert reported(tmp_path, Writer().heading(4, 3)) == (
         "x.op4: matrix KAAX must be square; it has 3 rows, 4 columns"

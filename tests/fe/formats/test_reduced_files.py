@@ -174,7 +174,7 @@ def test_what_cannot_be_read_is_refused_with_its_reason(tmp_path, case):
     ("text", "words"),
     [
         ("GRID,1\n", "holds no card EXTRN"),
-        ("EXTRN,1,127\n", "components such as 123456 wanted, or 0; read '127'"),
+        ("EXTRN,1,127\n", "expected components such as 123456, or 0; read '127'"),
         ("EXTRN,1,123,1,3\n", "node 1, direction 3 stands 2 times"),
     ],
 )

@@ -211,7 +211,7 @@ def test_a_csv_table_with_a_selection_is_compared_in_its_own_columns(tmp_path):
         ("time [s],body.1.x [m],body.1.x [m]\n0,1,1\n", "two columns have the same heading"),
         (
             f"time [s],body.1.x [m]\n0,{200_000 * '1'}\n",
-            "line 2 is no row of a CSV table: field larger than field limit (131072)",
+            "line 2 is not a row of a CSV: field larger than field limit (131072)",
         ),
     ],
 )

@@ -33,7 +33,7 @@ def test_an_hdf5_file_that_is_no_result_is_refused(attributes, update, good, tmp
     for reference, result in ((good, other), (other, good), (other, other)):
         done = compared(reference, result, *update)
         assert (done.exit_code, done.stdout) == (2, "")
-        assert f"{other}: error: this HDF5 file is no result of flexmb" in done.stderr
+        assert f"{other}: error: this HDF5 file is not a result of flexmb" in done.stderr
     assert compared(tmp_path / "new", other, "--update").exit_code == 2
     assert good.read_bytes() == before
     assert not (tmp_path / "new").exists()

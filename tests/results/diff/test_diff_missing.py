@@ -138,7 +138,7 @@ def test_a_table_without_echo_differs_unless_the_echo_is_left_out(table, rows):
 @pytest.mark.parametrize("swapped", [False, True])
 def test_a_table_and_an_hdf5_result_cannot_be_compared(table, result, rows, swapped):
     paths = [table("a.OUT", rows(TIMES)), result("a.h5", rows(TIMES))]
-    with pytest.raises(TableError, match="this is no HDF5 result, the other file is") as caught:
+    with pytest.raises(TableError, match="this is not an HDF5 result, the other file is") as caught:
         compare(*(paths[::-1] if swapped else paths))
     assert caught.value.name == str(paths[0])
     assert caught.value.exit_code == 2

@@ -63,13 +63,13 @@ def test_a_tolerance_of_a_quantity_holds_for_tables_and_exports_too(tmp_path):
         ('[quantities]\n"body.9.x" = 1', 'quantities "body.9.x"'),
         ('[files."tow.h5"]\natol = 1', 'files "tow.h5"'),
         ("files = 3", 'write a table of tolerances for each, [files."PATTERN"]'),
-        ("atol =", "is no TOML file: Invalid value"),
+        ("atol =", "is not a TOML file: Invalid value"),
         # Found by fuzzing: a traceback each, or hours.
-        ("atol = " + 5000 * "9", "is no TOML file: Exceeds the limit"),
-        ("kinds = " + 3000 * "[", "is no TOML file: "),
+        ("atol = " + 5000 * "9", "is not a TOML file: Exceeds the limit"),
+        ("kinds = " + 3000 * "[", "is not a TOML file: "),
         (
             ".".join(100_000 * "a") + " = 1",
-            "is no TOML file: a name of more than 64 parts (line 1, column 1)",
+            "is not a TOML file: a name of more than 64 parts (line 1, column 1)",
         ),
         ("atol = 1 # \0", "--tolerances: "),
     ],

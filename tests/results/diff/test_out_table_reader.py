@@ -159,7 +159,7 @@ def test_a_line_with_too_few_numbers_is_located():
 ])  # fmt: skip
 def test_a_word_among_the_numbers_is_located(word, remedy):
     text = BLOCK.replace("-1.7319 -1.8133", f"-1.7319 {word}")
-    wrong = f"point of point 1: 9 numbers are expected (X … ddZ), '{word}' is no number of this table"
+    wrong = f"point of point 1: 9 numbers are expected (X … ddZ), '{word}' is not a number of this table"
     assert faults(text) == [(21, 29, f"{wrong}: {remedy}")]
 
 

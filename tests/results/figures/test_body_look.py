@@ -73,7 +73,7 @@ def test_a_film_magnifies_deformations(path, tmp_path, scale, stretched):
         (["--scale", "1e300"], "scale from 0 to 310, where the largest is as large as the mechanism"),
         (["--scale", "-500"], "cannot be shown -500 times as large"),
         (["--range", "5,5"], "the first number must be smaller than the second"),
-        (["--range", "5"], "two numbers are wanted, such as 0,1e8"),
+        (["--range", "5"], "expected two numbers, such as 0,1e8"),
         (["--range", "0,1", "--colours", "body"], "bodies that have a colour each show no values"),
     ],
 )

@@ -180,7 +180,7 @@ def test_a_film_is_coloured_by_what_is_asked_for(path, tmp_path):
     assert canvas.surfaces[0].values(PEAK) == pytest.approx(0, abs=1e-9)
     assert canvas.surfaces[0].values(PEAK + 1) == pytest.approx(1, abs=1e-9)
     done = CliRunner().invoke(report, [str(path), "--movie", str(tmp_path / "a.gif"), "--colours", "stress"])
-    assert done.exit_code == 2 and "wanted is one of: von Mises stress, principal stress 1" in done.output
+    assert done.exit_code == 2 and "choose one of: von Mises stress, principal stress 1" in done.output
 
 
 @pytest.mark.parametrize(

@@ -99,7 +99,7 @@ def test_energies_that_do_not_change_are_not_drawn_but_named(tmp_path):
     assert {"energy.kinetic", "energy.total"} <= drawn
     assert "energy.strain" not in drawn
     done = CliRunner().invoke(plot, [str(path), "-o", str(tmp_path / "p.png")])
-    assert f"{path}: note: not drawn, for they do not change: energy.strain\n" in done.output
+    assert f"{path}: note: not drawn, since they do not change: energy.strain\n" in done.output
     named = CliRunner().invoke(plot, [str(path), "energy.strain", "-o", str(tmp_path / "p.png")])
     assert "not drawn" not in named.output
 
@@ -128,7 +128,7 @@ def test_of_a_crowd_of_stresses_the_largest_are_drawn_and_the_rest_is_counted(cr
     assert drawn == [f"stress.1.element{k}.von_mises" for k in range(133, 145)]
     told = "of 144 curves of von Mises stress [Pa] the 12 with the largest values are drawn, 132 are left out"
     done = CliRunner().invoke(plot, [str(crowd), "-o", str(tmp_path / "p.png")])
-    assert f"{crowd}: note: {told}; NAMEs draw others\n" in done.output
+    assert f"{crowd}: note: {told}; give NAMEs to draw others\n" in done.output
     assert (
         "left out" not in CliRunner().invoke(plot, [str(crowd), "-q", "-o", str(tmp_path / "p.png")]).output
     )
@@ -303,7 +303,7 @@ def test_a_style_file_of_gigabytes_is_not_read(bar, tmp_path):
     options = ["--width", "85", "--style", str(tmp_path / "s.mplstyle"), "-o", str(tmp_path / "p.svg")]
     done = CliRunner().invoke(plot, [str(bar), "point.1", *options])
     assert done.exit_code == 2
-    assert "it is no style file: it has more than a megabyte" in done.output
+    assert "it is not a style file: it has more than a megabyte" in done.output
 
 
 def test_a_style_file_starts_no_program(bar, tmp_path):

@@ -124,7 +124,7 @@ def test_settings_that_are_no_style_are_left_out_without_a_word(deck, mechanism,
 @pytest.mark.parametrize("style, words", [
     ("nonsense", "--style nonsense: no such file, and no style of matplotlib, such as"),
     ("gplot", "--style gplot: no such file, and no style of matplotlib, such as ggplot, has this name"),
-    (b"\xff\xfe\x00", "it is no style file: its bytes are no text in UTF-8"),
+    (b"\xff\xfe\x00", "it is not a style file: it is not text in UTF-8"),
     (b"axes.grid: True\nlines.linewidht: 3\n",
      "line 2: matplotlib has no setting lines.linewidht; lines.linewidth is one"),
     (b"axes.grid: maybe\n", "line 1: axes.grid cannot be maybe"),

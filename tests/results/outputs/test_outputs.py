@@ -125,7 +125,7 @@ def test_files_and_studies_have_outputs(tmp_path):
         "OUTPUT x = body.2.q": "body.2.q: the result has no such quantity",
         "OUTPUT x = body.2.velocity": "body.2.velocity is more than one number",
         "OUTPUT x = y\n  OUTPUT y = 1": "the output y must be given on a line above",
-        "OUTPUT x = (1": "this is no formula: ')' is missing",
+        "OUTPUT x = (1": "this is not a formula: ')' is missing",
         "OUTPUT x cardan body=7": "body 7 is outside 0..3",
         "OUTPUT x distance body=2": "distance takes from= and to=",
         "OUTPUT x distance from=2:1 to=0(0,0,0)": "an output is of a point of a body",

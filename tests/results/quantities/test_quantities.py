@@ -218,7 +218,7 @@ def test_files_of_other_kinds_are_refused(tmp_path):
         ("none.h5", "no such file"),
         (".", "it is a folder"),
         ("letter", "not an HDF5 result"),
-        ("other.h5", "no result of flexmb: it has no dataset /time"),
+        ("other.h5", "not a result of flexmb: it has no dataset /time"),
     ):
         with pytest.raises(ResultError, match=message) as caught, open_result(tmp_path / name):
             pass
@@ -258,7 +258,7 @@ def test_times_that_do_not_ascend_are_told(tmp_path, monkeypatch, times):
     with h5py.File(path, "a") as file:
         for row, time in times.items():
             file["time"][row] = time
-    reported = "r.h5: a damaged result: the times of its rows do not ascend, or are no numbers"
+    reported = "r.h5: a damaged result: the times of its rows do not ascend, or are not numbers"
     with pytest.raises(ResultError, match=reported), open_result(path):
         pass
 
@@ -266,7 +266,7 @@ def test_times_that_do_not_ascend_are_told(tmp_path, monkeypatch, times):
 def test_a_file_that_is_cut_off_is_named_in_words(tmp_path):
     path = write_result(tmp_path / "r.h5", 7)
     path.write_bytes(path.read_bytes()[:-1000])
-    with pytest.raises(ResultError, match="the file is cut off: copy it anew") as caught, open_result(path):
+    with pytest.raises(ResultError, match="the file is cut off: copy it again") as caught, open_result(path):
         pass
     assert "synchronously" not in str(caught.value)
 

@@ -48,7 +48,7 @@ def test_cases_are_rows_with_parameters_and_results_and_every_digit(study):
     assert [float(line[1]) for line in lines] == [row[4][0] for row in ROWS]
     assert [lines[0][2], lines[1][2], lines[2][2]] == [repr(1 / 3), "nan", "-4.0"]
     assert [line[3] for line in lines] == ["0", "1", "0"]
-    assert "note: series are shown where they are named: result.path" in reported
+    assert "note: name a series to see it: result.path" in reported
     assert "note: 1 of 3 cases failed and have nan for results; the column message says why" in reported
 
 

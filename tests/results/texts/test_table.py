@@ -171,7 +171,7 @@ def test_wrong_use_is_refused(path):
         (["none.h5", "time"], "none.h5: error: no such file"),
         (["none.h5"], "none.h5: error: no such file"),
         ([path, "time", "--every", "0"], "--every"),
-        ([path, "time", "--from", "nan"], "nan is no finite number"),
+        ([path, "time", "--from", "nan"], "nan is not a finite number"),
     ):
         done = flexmb("table", *arguments, cwd=path.parent)
         assert (done.returncode, done.stdout) == (2, "")

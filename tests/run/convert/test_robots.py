@@ -182,13 +182,13 @@ def test_solids_have_the_inertia_that_mujoco_gives_them(kind):
     ("old", "new", "words"),
     [
         ('<dynamics damping="0.3"/>', '<dynamics friction="0.3"/>', "turn: constant friction"),
-        ('type="prismatic"', 'type="planar"', "run: a joint planar is no joint of flexmb"),
-        ('<parent link="base"/>', '<parent link="none"/>', "turn: its parent is no link: none"),
-        ('xyz="0.2 0 0.1"', 'xyz="0.2 0"', "3 numbers are wanted; read '0.2 0'"),
-        ("</robot>", "", "this is no XML"),
-        ("<robot", "<roboter", "wanted is <robot> or <mujoco>"),
+        ('type="prismatic"', 'type="planar"', "run: a joint planar is not a joint of flexmb"),
+        ('<parent link="base"/>', '<parent link="none"/>', "turn: its parent is not a link: none"),
+        ('xyz="0.2 0 0.1"', 'xyz="0.2 0"', "expected 3 numbers; read '0.2 0'"),
+        ("</robot>", "", "this is not XML"),
+        ("<robot", "<roboter", "expected <robot> or <mujoco>"),
         ('<parent link="base"/>', '<parent link="trolley"/>', "its joints lead to no root"),
-        ('value="0.7"', 'value="x"', "an attribute is no number"),
+        ('value="0.7"', 'value="x"', "an attribute is not a number"),
     ],
 )
 def test_what_does_not_convert_is_refused(old, new, words, tmp_path, monkeypatch):

@@ -96,7 +96,7 @@ def test_a_run_with_other_options_is_not_resumed(tmp_path, options, difference):
     assert outcome.exit_code == 2
     assert error_of(outcome) == (
         f"--resume: {tmp_path / 'pendulum.resume'} is of another run: {difference}; "
-        "run without --resume to start anew"
+        "run without --resume to start again"
     )
     assert (tmp_path / "pendulum.resume").read_bytes() == resume_file
 

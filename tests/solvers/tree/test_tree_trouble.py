@@ -151,7 +151,7 @@ def test_a_loop_that_a_library_carries_over_its_position_in_line_is_told_by_its_
     assert code == 0
     assert fault.startswith("warning: total energy drifts by ")
     assert fault.endswith(
-        " J, which the equations keep constant: the motion is wrong from where it begins to stray (energy/total); "
+        " J, which the equations keep constant: the motion is wrong from the row at which it drifts (energy/total); "
         "a loop that passes a singular position, or too coarse a tolerance; compare with a finer TOLR and with "
         "--formulation absolute"
     )

@@ -108,7 +108,7 @@ class _Conversion(Conversion):
             reported = "free rotations {} and translations {}".format(*(_axes(a) for a in _dofs(hinge)))
             self.refusals.add(
                 _Named(f"hinge of {name}", hinge.place),
-                f"a hinge with {reported} is no single joint",
+                f"a hinge with {reported} is not a single joint",
                 id="DAFMS-182",
             )
             return

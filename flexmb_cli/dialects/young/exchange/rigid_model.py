@@ -123,7 +123,7 @@ class _Conversion(Conversion):
             notes.append(f"t = 0 is {self.mechanism.time.start!r} s of the other deck")
         if self.moving != list(range(len(self.mechanism.bodies))):
             pairs = ", ".join(f"{n} is {k + 1}" for n, k in enumerate(self.moving, start=1))
-            notes.append(f"bodies here and there: {pairs}; the ground is no body")
+            notes.append(f"bodies here and there: {pairs}; the ground is not a body")
         return tuple(notes)
 
     def _body(self, k: int) -> RigidBody:
