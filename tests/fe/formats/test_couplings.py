@@ -38,7 +38,7 @@ REFUSED = {
     "another node": ("BDF", RBE2, 5, True, "couples no nodes to node 5"),
     "a mean asked for as rigid": ("BDF", RBE3, 901, True, "couples no nodes to node 901"),
     "a table of text": ("TXT", "1 0 0 0\n", 900, True, "files of format TXT have no couplings"),
-    "components that leave one out": ("BDF", "RBE2,9,900,12,8\n", 900, True, "components 12: expected 123456 or 123"),
+    "components that leave one out": ("BDF", "RBE2,9,900,12,8\n", 900, True, "components 12: expected 123456 or 123"),  # noqa: E501
     "dependent points": ("BDF", RBE3.replace("ALPHA", "UM"), 901, False, "UM are not read"),
     "with and without rotations": ("BDF", RBE2 + "RBE2,9,900,123,8\n", 900, True, "rotations and without"),
     "elements": ("INP", RIGID.replace("NSET=odd", "ELSET=E"), 900, True, "option ELSET of .RIGID BODY"),
