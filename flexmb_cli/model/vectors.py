@@ -33,6 +33,12 @@ def cross_rows(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return product
 
 
+def global_axes(p: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Vectors v (…, 3) in axes of bodies with Euler parameters p (…, 4), in global axes."""
+    e0, e = p[..., :1], p[..., 1:]
+    return v + 2.0 * cross_rows(e, cross_rows(e, v) + e0 * v)
+
+
 def length(v: Any) -> float:
     """Euclidean length of a vector of any size."""
     return math.sqrt(sum(float(x) * float(x) for x in v))

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from ...model.joint_elements import CompositeJoint
 from ...model.laws import is_angle
 from ...model.loads import DynamicModel, holders
+from .applied_loads import with_applied_loads, with_load_values
 from .kinematic import kinematic_layout, kinematic_values, readable_names
 from .layout import (
     DRIVER,
@@ -107,12 +108,13 @@ def element_layout(model: DynamicModel) -> Layout:
         series.append(effort_series(FORCES["driver_effort"], units))
     layout = replace(rows, axes=tuple(axes), series=tuple(series))
     rows = with_elements(layout, model.elements, model.springs)
-    return _with_composites(rows, model.elements.composites)
+    return with_applied_loads(_with_composites(rows, model.elements.composites), model)
 
 
 def values_with_elements(model: DynamicModel, rows: "ElementRows") -> Values:
     """The fields of report rows (`ElementRows`) by the paths of their datasets."""
-    return {**dynamic_values(model, rows), **element_values(rows), **element_values(rows, COMPOSITE_SERIES)}
+    own = {**dynamic_values(model, rows), **element_values(rows), **element_values(rows, COMPOSITE_SERIES)}
+    return with_load_values(own, model)
 
 
 def _with_composites(layout: Layout, composites: tuple[CompositeJoint, ...]) -> Layout:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
+from .applied_loads import with_applied_loads, with_load_values
 from .layout import (
     BODY_MOTION,
     DRIVER,
@@ -106,7 +107,7 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
     layout = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), tuple(_constants(mechanism)))
     if mechanism.elements:
         layout = with_elements(layout, mechanism.elements, mechanism.springs)
-    return with_shapes(layout, mechanism.shapes)
+    return with_shapes(with_applied_loads(layout, mechanism), mechanism.shapes)
 
 
 def flexible_values(mechanism: FlexibleMechanism, rows: "FlexibleRows") -> Values:
@@ -119,7 +120,7 @@ def flexible_values(mechanism: FlexibleMechanism, rows: "FlexibleRows") -> Value
         values[_rate(body)] = rate
     if mechanism.elements:
         values |= element_values(rows)
-    return values | stress_values(mechanism, values)
+    return with_load_values(values | stress_values(mechanism, values), mechanism)
 
 
 def _named() -> dict[str, Series]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, cast
 
 from ...model.laws import is_angle
 from ...model.tree import ELASTIC, ROTATION, Body, Tree
+from .applied_loads import with_applied_loads, with_load_values
 from .layout import (
     BODY_MOTION,
     DRIVER,
@@ -98,7 +99,7 @@ def tree_layout(tree: Tree, points: list[str], reactions: bool) -> Layout:
     layout = Layout("dynamic", tree.time.rows, tuple(axes), tuple(series), tree_geometry(tree))
     if tree.elements:
         layout = with_elements(_with_drivers(layout, tree), tree.elements)
-    return with_shapes(layout, tree.shapes)
+    return with_shapes(with_applied_loads(layout, tree), tree.shapes)
 
 
 def _with_drivers(layout: Layout, tree: Tree) -> Layout:
@@ -130,7 +131,7 @@ def tree_values(tree: Tree, rows: "TreeRows", points: "PointMotion") -> Values:
         values |= element_values(rows)
         if tree.prescribed or tree.elements.drivers:
             values[PATH] = cast("TreeElementRows", rows).driver_effort
-    return values
+    return with_load_values(values, tree)
 
 
 def _flexible(tree: Tree) -> list[tuple[int, Body]]:

@@ -51,7 +51,7 @@ MOTION = (
 # Groups with a subgroup for every body that has such datasets; modes stand after the quantity, nodes before.
 BY_BODY = ("elastic", "modal", "stress", "strain")
 # Things that lines of the block ELEMENTS name; a deck's older cards leave them "spring 1".
-OF_LINES = ("element", "contact", "composite", "coupling", "curve", "driver", "general")
+OF_LINES = ("element", "contact", "composite", "coupling", "curve", "driver", "general", "load")
 LABEL = re.compile(r"[A-Za-z][\w-]*")
 
 

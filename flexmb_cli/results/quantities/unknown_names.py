@@ -52,6 +52,7 @@ NEEDS = {
     "driver": f"efforts of drivers need masses: {FORCES}",
     "energy": f"energies need masses: {FORCES}",
     "element": f"elements need lines such as SPRING or BUSHING in a block ELEMENTS: {FORCES}",
+    "load": "applied forces need lines FORCE or TORQUE in a block ELEMENTS, or cards FORC and TOQU of DAFMS",
     "elastic": "elastic displacements need a flexible body",
     "modal": "modal amplitudes need a flexible body",
     "stress": "stresses need the cards MATL and OUTS of a VSDF deck",

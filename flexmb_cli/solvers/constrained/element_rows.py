@@ -16,9 +16,9 @@ from ...model.general_joints import GeneralJoint
 from ...model.joint_elements import JointElements, names_of, parts_in_arrays
 from ...model.laws import CONTACT, DRIVING, FRICTION
 from ...model.loads import DynamicModel
-from ...model.vectors import cross_rows
+from ...model.vectors import cross_rows, global_axes
 from .flexible_rows import FlexibleRows, flexible_rows
-from .rows import DynamicRows, dynamic_rows, global_axes
+from .rows import DynamicRows, dynamic_rows
 
 R = TypeVar("R")  # a type of rows
 

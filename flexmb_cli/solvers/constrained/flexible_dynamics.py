@@ -15,12 +15,12 @@ from ...model.joint_elements import JointDriver
 from ...model.loads import InitialVelocity
 from ...model.mechanism import Joint
 from ...model.planar_loops import OUT_OF_PLANE, repeated_in_plane
+from ...model.vectors import global_axes
 from ..linearisation.terms import Terms, motors_of
 from ..start_attitudes import refuse_half_turns, start_attitudes, turn_warnings, turned_right
 from .analysis import LinearisableMotion
 from .first_position import gap_warnings
 from .flexible_rows import FlexibleRows, flexible_rows
-from .rows import global_axes
 from .start import given_speeds, rate_equations
 from .system import with_driven
 

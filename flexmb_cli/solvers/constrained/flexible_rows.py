@@ -10,8 +10,8 @@ from ...kernels.constrained.report import Report
 from ...model.arrays.node_joints import reaction_point
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism, NodePoint, PointJoint
-from ...model.vectors import cross_rows
-from .rows import coordinate_accelerations, coordinate_rates, global_axes
+from ...model.vectors import cross_rows, global_axes
+from .rows import coordinate_accelerations, coordinate_rates
 from .turned_arms import arm_motion, node_spin
 
 

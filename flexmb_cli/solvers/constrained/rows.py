@@ -8,7 +8,7 @@ import numpy as np
 from ...kernels.constrained.report import Report
 from ...model.loads import DynamicModel, holders
 from ...model.mechanism import Mechanism
-from ...model.vectors import cross_rows
+from ...model.vectors import cross_rows, global_axes
 from ..kinematics.rows import Rows, rotated, rows_of
 
 GROUND_ROWS = 6
@@ -86,12 +86,6 @@ def body_axes(p: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Vectors v (…, 3), global axes, in the axes of bodies with Euler parameters p (…, 4)."""
     conjugate = p * np.array([1.0, -1.0, -1.0, -1.0])
     return global_axes(conjugate, v)
-
-
-def global_axes(p: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Vectors v (…, 3) in body axes, in global axes."""
-    e0, e = p[..., :1], p[..., 1:]
-    return v + 2.0 * cross_rows(e, cross_rows(e, v) + e0 * v)
 
 
 def _forces(mechanism: Mechanism, wrenches: np.ndarray, p: np.ndarray) -> dict[str, np.ndarray]:

@@ -22,12 +22,12 @@ from ...model.joints import ANGLES_OF_CROSS, DEPENDENT, Equation
 from ...model.laws import is_angle
 from ...model.loads import InitialVelocity
 from ...model.mechanism import Joint
-from ...model.vectors import rotation_matrix
+from ...model.vectors import global_axes, rotation_matrix
 from ..projection import RESIDUAL_MET, shortest_correction
 from ..singular.mobility import NAMED, Mobility, about, dense_mobility
 from ..singular.overconstrained_loops import choose_far_apart
 from ..singular.sparse_rank import order_of_pivots, sparse_mobility
-from .rows import body_axes, global_axes
+from .rows import body_axes
 from .state import ConstrainedState
 from .system import dense_jacobian, sparse_jacobian
 

@@ -34,6 +34,7 @@ from ...model.tree_as_mechanism.hinges import (
     tree_loads,
 )
 from ...model.tree_as_mechanism.poses import elastic_start, first_poses, repeated_in_planar_tree
+from ...model.vectors import global_axes
 from ..checkpoint import taken
 from ..projection import RESIDUAL_MET, largest
 from ..tree.analysis import TreeAnalysis, hold_functions
@@ -42,7 +43,6 @@ from ..tree.points import rotation_matrices
 from ..tree.rows import TreeRows, rows_of_tree, unturned
 from .analysis import ConstrainedMotion
 from .flexible_rows import BodyMotion, body_motion
-from .rows import global_axes
 from .tree_element_rows import with_elements
 
 
