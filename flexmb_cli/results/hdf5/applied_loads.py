@@ -9,16 +9,15 @@ from typing import Any
 import numpy as np
 
 from ...model.laws import FORCE, TORQUE, Push
-from ...model.tree import Tree
 from ...model.vectors import Vector, global_axes
 from .layout import ELEMENT_SERIES, Layout, Series, Values, numbered_axis
 
-LOAD = "load/load"
-NONE: Vector = (0.0, 0.0, 0.0)
-OF_FORCE, OF_TORQUE, OF_POWER = (
-    Series("load/force", (LOAD, "xyz"), "N", "applied force, global axes; 0 of a torque"),
-    Series("load/torque", (LOAD, "xyz"), "N m", "applied torque, global axes; 0 of a force"),
-    Series("load/power", (LOAD,), "W", "power of the applied force or torque"),
+LOAD_AXIS = "load/load"
+NO_LOAD: Vector = (0.0, 0.0, 0.0)
+LOAD_FORCE, LOAD_TORQUE, LOAD_POWER = (
+    Series("load/force", (LOAD_AXIS, "xyz"), "N", "applied force, global axes; 0 of a torque"),
+    Series("load/torque", (LOAD_AXIS, "xyz"), "N m", "applied torque, global axes; 0 of a force"),
+    Series("load/power", (LOAD_AXIS,), "W", "power of the applied force or torque"),
 )
 
 
@@ -31,8 +30,8 @@ class AppliedLoad:
 
     name: str
     body: int
-    force: Vector = NONE
-    torque: Vector = NONE
+    force: Vector = NO_LOAD
+    torque: Vector = NO_LOAD
     follows: bool = False
     column: int | None = None
 
@@ -40,7 +39,7 @@ class AppliedLoad:
 def applied_loads(model: Any) -> list[AppliedLoad]:
     """Return the applied loads of a model, those of elements last."""
     loads = []
-    for k, body in enumerate(model.bodies if isinstance(model, Tree) else ()):
+    for k, body in enumerate(model.bodies if hasattr(model, "coordinates") else ()):
         if any((*body.force, *body.torque)):
             loads.append(AppliedLoad(f"load on {body.name}", k, body.force, body.torque))
     column = len(getattr(model, "springs", ()))
@@ -52,7 +51,7 @@ def applied_loads(model: Any) -> list[AppliedLoad]:
 
 
 def _of_element(name: str, push: Push, column: int) -> AppliedLoad:
-    force, torque = (NONE, push.direction) if push.turning else (push.direction, NONE)
+    force, torque = (NO_LOAD, push.direction) if push.turning else (push.direction, NO_LOAD)
     return AppliedLoad(name, push.j, force, torque, push.follows, column)
 
 
@@ -62,7 +61,7 @@ def with_applied_loads(layout: Layout, model: Any) -> Layout:
     if not loads:
         return layout
     axis = numbered_axis("load", [load.name for load in loads])
-    series = (*layout.series, OF_FORCE, OF_TORQUE, OF_POWER)
+    series = (*layout.series, LOAD_FORCE, LOAD_TORQUE, LOAD_POWER)
     return replace(layout, axes=(*layout.axes, axis), series=series)
 
 
@@ -76,7 +75,7 @@ def with_load_values(values: Values, model: Any) -> Values:
     for k, load in enumerate(loads):
         force[:, k], torque[:, k] = (_vector(load, vector, values) for vector in (load.force, load.torque))
         power[:, k] = _power(load, force[:, k], torque[:, k], values)
-    return {**values, OF_FORCE.path: force, OF_TORQUE.path: torque, OF_POWER.path: power}
+    return {**values, LOAD_FORCE.path: force, LOAD_TORQUE.path: torque, LOAD_POWER.path: power}
 
 
 def _vector(load: AppliedLoad, vector: Vector, values: Values) -> np.ndarray:
