@@ -83,7 +83,7 @@ WORDS = {
     "DECK-053": "cannot be read: …",
     "DECK-057": "--set …: write NAME=VALUE, such as time.end=2.5",
     "DECK-058": "--set …: the deck has no number …; …",
-    "DECK-059": "--set …: a count cannot be set: the deck's layout hangs on it",
+    "DECK-059": "--set …: a count cannot be set: the deck's layout depends on it",
     "DIFF-016": "line …: could not convert string to float: …",
     "DIFF-030": "written by flexmb … in the layout …; this flexmb reads layouts up to …",
     "ELEMENTS-041": f"file …: … {NUMERAL}",
