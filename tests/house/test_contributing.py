@@ -234,8 +234,9 @@ def test_answers_written_before_there_were_cards_still_give_a_deck(copy, flexmb)
     script, command = written.partition("\n```")[0].split(" > answers\n$ ")
     answers = subprocess.run(script, shell=True, text=True, capture_output=True, timeout=120).stdout
     assert command == "flexmb new vsdf -o - < answers | flexmb check - -q"
-    # PAYL stands after FEMD, the first of the cards that are as young, DOWN after all of them.
-    counts = f"0 1{' 0' * (len(NEWER) - 1)} 1"
+    # PAYL stands before ARMN among the cards that are as young, DOWN after all of them.
+    before = [card.word for card in NEWER].index("ARMN")
+    counts = f"{'0 ' * before}1{' 0' * (len(NEWER) - before)} 1"
     for more, words in (("", []), (f"\n{counts}\n1 3 6\n9.5\n", ["PAYL", "DOWN"])):
         typed = flexmb("new", "vsdf", "-o", "-", answers=answers + more)
         assert [word for word in typed.split() if word in ("PAYL", "DOWN")] == words

@@ -127,7 +127,7 @@ def test_a_mean_is_the_motion_of_least_squares():
 
 @pytest.mark.parametrize(
     ("members", "weights", "words"),
-    [((1, 5, 9, 13), (1.0,) * 4, "on one line"), (END, (1.0, 0.0, 1.0, 1.0), "is 0; above zero")],
+    [((1, 5, 9, 13), (1.0,) * 4, "on one line"), (END, (1.0, 0.0, 1.0, 1.0), "is 0; it must be above zero")],
 )
 def test_a_mean_without_rotation_is_refused(members, weights, words):
     one = InterfaceNode(99, HUB, False, members, weights)

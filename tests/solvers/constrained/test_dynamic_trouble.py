@@ -78,7 +78,7 @@ def test_a_driver_beyond_the_reach_stops_where_the_mechanism_locks(steps, tmp_pa
     line = reported(found)[-1]
     assert line.startswith("IN.dat:7:1: error: at t = 0.865409 s the step length falls to ")
     assert " s: a singular position of revolute joint 1 (line 7), revolute joint 2 (line 8)" in line
-    assert "), a dead centre or a branching, is reached; where the motion locks, free it or end" in line
+    assert "), a dead centre or a branching, is reached; if the motion locks, free it or end" in line
     assert found.norms["condition"] > 1e4
 
 

@@ -184,7 +184,7 @@ def test_a_row_in_line_has_no_reactions_and_is_told(card, number, length):
     assert inwards[50, 1] == pytest.approx([-4.0, 0.0, 0.0], abs=0.01)
     assert np.flatnonzero(np.isnan(forces).any(axis=(1, 2))).tolist() == [50]
     (told,) = [note.message for note in analysis.warnings if note.id == "SOLVE-041"]
-    assert "at t = 0.25 s a row stands" in told
+    assert "at t = 0.25 s a row is so near to a singular position" in told
 
 
 def test_a_doubtful_row_that_round_off_does_not_rule_is_that_of_the_equations():

@@ -151,7 +151,7 @@ def test_gears_with_play_push_each_other_on_both_sides():
             "from=1.angle to=2.stroke function=lift stiffness=1 lower=2 upper=1",
             "upper must be larger than lower, 2",
         ),
-        ("from=1.angle to=1.angle function=lift", "from and to are one coordinate"),
+        ("from=1.angle to=1.angle function=lift", "from and to are the same coordinate"),
         ("from=1.angle to=2.stroke function=corner", "the rate of a coordinate cannot jump"),
         ("from=1.angle to=2.stroke function=none", "there is no function none"),
         ("from=1.stroke to=2.stroke function=lift", "has an angle, not a stroke"),
