@@ -51,7 +51,7 @@ def figures() -> None:
         flexmb("sweep", TOP / "decks" / study, "-q", "--fresh", "-o", table)
         flexmb("plot", table, result, *options, "-q", "-o", PICTURES / target)
     rotor = TOP / "decks/vsdf/rotor.vsdf"
-    over = ["--over", "speed", "0", "400", "21", "--frequencies", "0", "150", "--order", "1"]
+    over = ["--over", "velocity.1.w.x", "0", "400", "21", "--frequencies", "0", "150", "--order", "1"]
     flexmb("modes", rotor, *over, "-q", "--locus", PICTURES / "campbell.png")
 
 

@@ -106,4 +106,5 @@ def test_workers_are_the_only_processes_that_the_package_starts():
             line for line in path.read_text(encoding="utf-8").splitlines() if "import " in line or "(" in line
         ]
         found |= {path.relative_to(PACKAGE).as_posix() for line in code if starting.search(line)}
-    assert found == {f"run/processes/{name}.py" for name in ("signal_mask", "worker")}
+    # `flexmb docs` opens a browser, which reads no deck.
+    assert found == {"cli/docs.py"} | {f"run/processes/{name}.py" for name in ("signal_mask", "worker")}

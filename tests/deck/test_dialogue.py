@@ -267,7 +267,7 @@ def again_behind(again, first):
     "text", ["", "[]", "{}", '{"flexmb new": "young", "answers": {"body.1.x": 1}}', "\0"]
 )
 def test_what_is_no_draft_is_refused(text):
-    with pytest.raises(DeckError, match="no draft of a deck"):
+    with pytest.raises(DeckError, match="not a draft of a deck"):
         from_draft(YoungForm(), text)
 
 

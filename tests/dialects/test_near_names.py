@@ -91,5 +91,5 @@ def test_the_symbol_of_friction_leads_to_both_coefficients(card):
     """The field is called neither mu nor friction; its meanings are coefficients."""
     text = (DECKS / ARM).read_text("latin-1").replace("GRAVITY", f"{card}\nGRAVITY", 1)
     message = SettableDeck(read_deck(DeckText("IN-ARM.dat", text, ""))).unknown("friction-1.mu")
-    fields = "joint, dynamic, static, stribeck, creep, radius, preload"
-    assert f"near it are friction-1.dynamic, friction-1.static; friction-1 holds {fields}; " in message
+    fields = "joint, dynamic, static, stribeck, creep, radius, preload"  # and those of bristles
+    assert f"near it are friction-1.dynamic, friction-1.static; friction-1 holds {fields}" in message

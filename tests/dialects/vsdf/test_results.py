@@ -105,5 +105,5 @@ def test_numbers_of_the_listing_are_those_of_1PE():
 @pytest.mark.parametrize(("smallest", "shown"), [(7.359e-2, "7.359E-02"), (3.1e-17, "below 1E-12")])
 def test_the_listing_has_no_digits_of_round_off_for_a_singular_value(smallest, shown):
     found = SimpleNamespace(coordinates=12, rank=11, equations=12, smallest=smallest)
-    lines = VsdfTable._constraint_lines(SimpleNamespace(analysis=SimpleNamespace(found=found)))
+    lines = VsdfTable._constraint_lines(SimpleNamespace(analysis=SimpleNamespace(mobility=found)))
     assert list(lines)[-1] == f"  degrees of freedom 1, smallest singular value {shown}"

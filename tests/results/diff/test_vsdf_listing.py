@@ -184,7 +184,7 @@ def test_what_is_written_comes_back(layout):
     found = SimpleNamespace(equations=5, coordinates=15, rank=5, smallest=0.07359)
     stream = io.StringIO()
     deck = Deck("vsdf", DeckText("x.vsdf", HEAD.partition("\n")[2].partition(RULE)[0], ""), ())
-    table = VsdfTable((stream,), deck, layout, SimpleNamespace(mechanism=mechanism, found=found))
+    table = VsdfTable((stream,), deck, layout, SimpleNamespace(mechanism=mechanism, mobility=found))
     table.begin()
     table.rows(values)
     table.failed()

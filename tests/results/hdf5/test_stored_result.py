@@ -113,7 +113,7 @@ def scale_removed(file):
 
 FITTING = {
     "a scale that was removed": ("table", scale_removed, "a damaged result"),
-    "names that are numbers": ("table", replaced("body/name", data=np.arange(3.0)), "no list of names"),
+    "names that are numbers": ("table", replaced("body/name", data=np.arange(3.0)), "not a list of names"),
     "fewer names than bodies": ("table", replaced("body/name", data=["a"]), "1 names for 3 things"),
     "attitudes of three parameters": (
         "vtkhdf", replaced("body/euler_parameters", data=np.ones((5, 3, 3))), "axis of 4",
@@ -125,7 +125,7 @@ FITTING = {
         "vtkhdf", lambda file: file.create_dataset("joint/body", data=[[0.0, 1.0]] * 4), "no whole numbers",
     ),
     "attitudes of another shape": (
-        "diff", replaced("body/euler_parameters", data=np.ones((5, 2))), "no array of 3 axes",
+        "diff", replaced("body/euler_parameters", data=np.ones((5, 2))), "not an array of 3 axes",
     ),
 }  # fmt: skip
 

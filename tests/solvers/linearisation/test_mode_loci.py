@@ -46,7 +46,9 @@ def test_whirl_and_critical_speeds_of_an_overhung_rotor_are_those_of_the_gyrosco
 
     Critical speeds: where splines through the closed form at the same speeds meet that of the spin.
     """
-    found = loci(tmp_path, ROTOR, "--over", "speed", 0, 300, 5, "--frequencies", 0, 150, "--order", 1)
+    found = loci(
+        tmp_path, ROTOR, "--over", "velocity.1.w.x", 0, 300, 5, "--frequencies", 0, 150, "--order", 1
+    )
     speeds, frequency = found["values"], found["frequency"]
     expected = np.abs([whirl(speed) for speed in speeds])[:, [1, 2, 0, 3]]
     assert frequency[:, np.argsort(frequency[-1])] == pytest.approx(expected, rel=1e-7)
