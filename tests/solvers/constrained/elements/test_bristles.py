@@ -54,6 +54,7 @@ def test_a_block_on_a_slope_sticks_below_the_angle_of_friction_and_slides_above(
         assert x == pytest.approx(found[0], abs=1e-7)
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("dialect", DIALECTS)
 def test_a_block_below_the_angle_of_friction_does_not_creep(dialect):
     """Once its bristles have settled it stays where it is, at most 1e-9 m in 100 s."""
@@ -99,6 +100,7 @@ def pulled():
     return moved(lambda t, x: SPRING * (SPEED * t - x), 0.0, np.linspace(0.0, 2.0, 401))
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("method", METHODS)
 def test_a_block_on_a_spring_sticks_and_slips_as_scipy_says(method):
     """Friction of the joint, whose normal force is the weight; GALF is of order 2."""
@@ -111,6 +113,7 @@ def test_a_block_on_a_spring_sticks_and_slips_as_scipy_says(method):
     assert rows.total == pytest.approx(np.full(401, rows.total[0]), abs=1e-4 if method == "GALF" else error)
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("method", ["dop853", "sdirk4", "radau", "lsoda"])
 def test_a_block_in_a_hinge_sticks_and_slips_as_scipy_says(method):
     rows = dafms_rows(LINES.format(c="t1"), method, BLOCK)

@@ -97,6 +97,7 @@ def bowl(n):
     return RADIUS * np.array(found)
 
 
+@pytest.mark.long_motion
 def test_a_ball_slides_in_a_bowl_of_12640_triangles_as_a_pendulum(tmp_path):
     """After a period of a pendulum, 4 sqrt(L/g) K(sin²(a/2)), it is back; facets are off by their sagitta."""
     triangles, length = bowl(40), RADIUS - BALL
