@@ -53,27 +53,27 @@ def refuse_unsafe(path: str, shown: str = "", folder: int | None = None) -> None
     _refuse(status, shown or path)
 
 
-def _refuse(found: Any, shown: str) -> None:
-    if stat.S_ISLNK(found.st_mode):
+def _refuse(status: Any, shown: str) -> None:
+    if stat.S_ISLNK(status.st_mode):
         raise UnsafePlace(f"{shown}: it is a link, which is not followed; remove it", id="FLEXMB-001")
-    if not stat.S_ISREG(found.st_mode):
+    if not stat.S_ISREG(status.st_mode):
         raise UnsafePlace(
             f"{shown}: it is not a regular file, but a folder, a pipe or a device; remove it", id="FLEXMB-002"
         )
-    if found.st_nlink > 1:
+    if status.st_nlink > 1:
         raise UnsafePlace(
             f"{shown}: the file has another name elsewhere (a hard link); remove it here", id="FLEXMB-003"
         )
 
 
-def is_own(found: os.stat_result) -> bool:
-    """Return whether only this user, or root, can have written what has the status `found`."""
-    return belongs_here(found) and (not hasattr(os, "geteuid") or not found.st_mode & 0o022)
+def is_own(status: os.stat_result) -> bool:
+    """Return whether only this user, or root, can have written a file of this `status`."""
+    return belongs_here(status) and (not hasattr(os, "geteuid") or not status.st_mode & 0o022)
 
 
-def belongs_here(found: os.stat_result) -> bool:
-    """Return whether what has the status `found` is of this user, or of root, who could change all anyway."""
-    return not hasattr(os, "geteuid") or found.st_uid in (0, os.geteuid())
+def belongs_here(status: os.stat_result) -> bool:
+    """Return whether a file of this `status` is of this user, or of root, who could change all anyway."""
+    return not hasattr(os, "geteuid") or status.st_uid in (0, os.geteuid())
 
 
 def make_own_folder(folder: Path) -> None:

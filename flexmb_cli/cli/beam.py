@@ -67,17 +67,17 @@ def _check_choice(whole: bool, into: str | None, body: int | None) -> None:
         raise click.UsageError("--into DECK and --body K go together")
 
 
-def _text(made: Any, ndm: Any, whole: bool, title: str, into: str | None, body: int | None) -> str:
+def _text(beam: Any, ndm: Any, whole: bool, title: str, into: str | None, body: int | None) -> str:
     from ..dialects.dafms.beam_cards import beam_block, beam_deck
 
     if whole:
-        return beam_deck(made, title)
+        return beam_deck(beam, title)
     if into is None:
-        return beam_block(made, int(ndm) if ndm else 3 if 1 in made.axes else 2)
-    return _deck_with(made, into, body)
+        return beam_block(beam, int(ndm) if ndm else 3 if 1 in beam.axes else 2)
+    return _deck_with(beam, into, body)
 
 
-def _deck_with(made: Any, path: str, body: Any) -> str:
+def _deck_with(beam: Any, path: str, body: Any) -> str:
     """The deck at `path` with the beam in it; its faults are shown like those of `check`."""
     from ..dialects.dafms import DIALECT
     from ..dialects.dafms.beam_cards import with_beam
@@ -87,7 +87,7 @@ def _deck_with(made: Any, path: str, body: Any) -> str:
     try:
         source = open_text(path, DIALECT.name)
         lines = source.lines
-        return with_beam(read_deck(source, DIALECT.name), body, made)
+        return with_beam(read_deck(source, DIALECT.name), body, beam)
     except FlexmbError as failure:
         say(compiler_style(path, failure.faults, lines))
         sys.exit(failure.exit_code)

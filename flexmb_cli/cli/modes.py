@@ -177,14 +177,14 @@ def modes_text(report: Any) -> str:
     return "".join(f"{line.rstrip()}\n" for line in lines)
 
 
-def _mechanism_lines(found: Any) -> Iterator[Any]:
-    modes = found.modes
-    where = "about the equilibrium" if found.equilibrium else "of the mechanism"
-    yield f"  linearised motion {where} at t = {found.time:.6g} s: DOF {modes.degrees_of_freedom}"
+def _mechanism_lines(mechanism: Any) -> Iterator[Any]:
+    modes = mechanism.modes
+    where = "about the equilibrium" if mechanism.equilibrium else "of the mechanism"
+    yield f"  linearised motion {where} at t = {mechanism.time:.6g} s: DOF {modes.degrees_of_freedom}"
     if not modes.constant:
-        yield f"    frozen at t = {found.time:.6g} s: the coefficients change along the motion"
-    if found.equilibrium:
-        for name, values in found.position:
+        yield f"    frozen at t = {mechanism.time:.6g} s: the coefficients change along the motion"
+    if mechanism.equilibrium:
+        for name, values in mechanism.position:
             yield f"    {name}: " + " ".join(f"{value:.6g}" for value in np.array(values) + 0.0)
     if len(modes.frequency):
         yield f"    {'mode':>4} {'Hz':>13} {'damping ratio':>14}  moves most"
@@ -192,7 +192,7 @@ def _mechanism_lines(found: Any) -> Iterator[Any]:
         zip(modes.frequency, modes.damping, modes.shapes, strict=True), start=1
     ):
         ratio = damping if abs(damping) > 1e-9 else 0.0
-        yield f"    {number:4d} {frequency:13.6f} {ratio:14.6f}  {_parts(found.names, shape)}"
+        yield f"    {number:4d} {frequency:13.6f} {ratio:14.6f}  {_parts(mechanism.names, shape)}"
     for values, what in ((modes.growing, "grows"), (modes.decaying, "fades")):
         for value in values:
             yield f"    {what} without oscillating: {abs(value):.6g} 1/s"

@@ -111,13 +111,13 @@ def _differentiated(
     return derivatives
 
 
-def _show(found: "Sensitivity", options: dict[str, Any], as_json: bool) -> None:
+def _show(sensitivity_of_deck: "Sensitivity", options: dict[str, Any], as_json: bool) -> None:
     if as_json:
         return
     from ..results.quantities.quantities import resolve
     from ..results.quantities.table import chosen_rows, table_text
 
-    with found.result.stored() as file:
+    with sensitivity_of_deck.result.stored() as file:
         names = ["value", "relative" if options["relative"] else "derivative"]
         rows = chosen_rows(file, None, None, options["every"])
         for piece in table_text(file, resolve(file, names), rows, options["style"]):
@@ -127,15 +127,18 @@ def _show(found: "Sensitivity", options: dict[str, Any], as_json: bool) -> None:
                 click.echo(piece, nl=False)
 
 
-def _record(found: "Sensitivity", options: dict[str, Any]) -> dict[str, Any]:
+def _record(sensitivity_of_deck: "Sensitivity", options: dict[str, Any]) -> dict[str, Any]:
     """Return the numbers for `--json`: names, and derivatives by row, quantity and number."""
-    values = found.relative if options["relative"] else found.derivatives
+    values = sensitivity_of_deck.relative if options["relative"] else sensitivity_of_deck.derivatives
     rows = slice(None, None, options["every"])
     return {
-        "of": [{"name": one.name, "unit": one.unit} for one in found.of],
-        "to": [{"name": name, "unit": one.unit, "value": one.value} for name, one in found.to.items()],
-        "times": found.time[rows].tolist(),
-        "values": found.values[rows].tolist(),
+        "of": [{"name": one.name, "unit": one.unit} for one in sensitivity_of_deck.of],
+        "to": [
+            {"name": name, "unit": one.unit, "value": one.value}
+            for name, one in sensitivity_of_deck.to.items()
+        ],
+        "times": sensitivity_of_deck.time[rows].tolist(),
+        "values": sensitivity_of_deck.values[rows].tolist(),
         "relative" if options["relative"] else "derivatives": [
             [[one if one == one else None for one in line] for line in row] for row in values[rows].tolist()
         ],

@@ -91,15 +91,15 @@ def sweep(
 
 
 def _report_stop(
-    notices: Notices, output: str, made: "Sweep", parts: str, on_cluster: bool, exit_code: int
+    notices: Notices, output: str, study_run: "Sweep", parts: str, on_cluster: bool, exit_code: int
 ) -> None:
-    cases, failed = made.job.study.cases, made.failed
+    cases, failed = study_run.job.study.cases, study_run.failed
     table: str | None = output
     reported = f"{output} is complete"
     if os.path.isdir(parts):
         with notices.failures():
-            made.job.parts.sync_all()
-        codes = [result.exit_code for result in made.results()]
+            study_run.job.parts.sync_all()
+        codes = [result.exit_code for result in study_run.results()]
         more = " so far; its workers end what they have begun" if on_cluster else ""
         reported = f"{len(codes)} of {cases} cases are kept in {parts}{more}; the same command continues it"
         failed, table = sum(map(bool, codes)), None
@@ -157,18 +157,18 @@ def warn_of_result(notices: Notices, output: str) -> None:
         notices.add([Fault("warning", reported, id="STUDY-029")])
 
 
-def _solve(made: "Sweep", notices: Notices, options: dict[str, Any]) -> None:
+def _solve(study_run: "Sweep", notices: Notices, options: dict[str, Any]) -> None:
     from .. import interface
     from ..run.processes.signal_mask import outlive_workers
 
     outlive_workers()
-    blocks, warnings = made.pending(), list[Fault]()
-    cases, left = made.job.study.cases, made.left
+    blocks, warnings = study_run.pending(), list[Fault]()
+    cases, left = study_run.job.study.cases, study_run.left
     if left < cases:
         notices.say(f"continuing a stopped study: {cases - left} of {cases} cases are complete")
         # Its rows may be anything that another user wrote into the prepared folder.
-        if made.job.parts.is_of_another_user():
-            folder = made.job.parts_folder
+        if study_run.job.parts.is_of_another_user():
+            folder = study_run.job.parts_folder
             message = f"{folder} belongs to another user; its cases are used, with --fresh none are"
             notices.add([Fault("warning", message, id="STUDY-030")])
     try:
@@ -176,20 +176,20 @@ def _solve(made: "Sweep", notices: Notices, options: dict[str, Any]) -> None:
             progress.begin(left)
             listener = Listener(notice=progress.notice, status=progress.status).kept_in(warnings)
             jobs, scheduler = options["jobs"], options["scheduler"]
-            interface.solve_study(made, blocks, progress.advance, jobs, scheduler, listener)
+            interface.solve_study(study_run, blocks, progress.advance, jobs, scheduler, listener)
     finally:
         notices.faults += [(notices.file, fault) for fault in warnings]
 
 
-def _report(notices: Notices, output: str, made: "Sweep", failures: Any) -> None:
-    cases, study = made.job.study.cases, notices.file
+def _report(notices: Notices, output: str, study_run: "Sweep", failures: Any) -> None:
+    cases, study = study_run.job.study.cases, notices.file
     for case, message in failures:
         notices.say(f"{study}: case {case}: {message}")
         notices.faults.append((study, Fault("error", f"case {case}: {message}", id="STUDY-031")))
-    if made.failed > len(failures):
-        more = f"{made.failed - len(failures)} more cases failed; flexmb table {output} message"
+    if study_run.failed > len(failures):
+        more = f"{study_run.failed - len(failures)} more cases failed; flexmb table {output} message"
         notices.say(f"{study}: {more}")
         notices.faults.append((study, Fault("error", more, id="STUDY-032")))
-    notices.add(made.faults)
-    reported = f", {made.failed} failed" if made.failed else ""
+    notices.add(study_run.faults)
+    reported = f", {study_run.failed} failed" if study_run.failed else ""
     notices.say(f"{study}: {cases} cases{reported} → {output}")

@@ -104,15 +104,15 @@ class Records:
             numbers.values.extend(number.value for number in self._read_record(fmt, batch, subject))
         return numbers
 
-    def check_index(self, index: Number, wanted: int, subject: str, rule: str) -> None:
+    def check_index(self, index: Number, position: int, subject: str, rule: str) -> None:
         """The number that heads a record must be its position: DAFMS reads it and never looks at it."""
-        if index.value == wanted:
+        if index.value == position:
             return
         if not index.text:
-            message = f"the record's number is blank, taken as {wanted}"
+            message = f"the record's number is blank, taken as {position}"
             self.report("warning", subject, message, index.place, id="DECK-044")
             return
-        message = f"the record is numbered {index.value}, expected {wanted}: {rule}"
+        message = f"the record is numbered {index.value}, expected {position}: {rule}"
         self.report("error", subject, message, index.place, id="DECK-045")
 
     def end_of_deck(self, subject: str, expected: str) -> Any:

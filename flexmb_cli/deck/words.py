@@ -64,9 +64,9 @@ class Words:
     def __getitem__(self, index: int) -> Word:
         return _word(self._lines, self._starts[index])
 
-    def reach(self, wanted: int) -> None:
-        """Read on until there are `wanted` words, or no more."""
-        self._starts.extend(islice(self._unread, max(0, wanted - len(self))))
+    def reach(self, count: int) -> None:
+        """Read on until there are `count` words, or no more."""
+        self._starts.extend(islice(self._unread, max(0, count - len(self))))
 
     def drop_last(self) -> None:
         """Forget the last word."""
@@ -96,8 +96,8 @@ def _word(lines: Lines, start: int) -> Word:
     return Word(word, *lines.place_of(start))
 
 
-def _is_word(found: str) -> bool:
-    return found[0] != "{" or found == "{" or found[-1] != "}"
+def _is_word(text: str) -> bool:
+    return text[0] != "{" or text == "{" or text[-1] != "}"
 
 
 def _offsets(text: str, start: int) -> Iterator[int]:

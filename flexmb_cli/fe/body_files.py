@@ -66,11 +66,11 @@ def _with_nodal_masses(matrix: MatrixFile, given: FlexibleInput) -> MatrixFile:
 
 
 def arranged(
-    given: FlexibleInput, file: FEFile, found: MatrixFile, arrange: Callable[..., Any], findings: Findings
+    given: FlexibleInput, file: FEFile, matrix: MatrixFile, arrange: Callable[..., Any], findings: Findings
 ) -> Any:
     """Return what `arrange` makes of name, matrix and numbers of nodes; None with a fault noted."""
     try:
-        return arrange(file.path.name, found, given.numbers)
+        return arrange(file.path.name, matrix, given.numbers)
     except FEFileFault as fault:
         findings.error(given.name, str(fault), file.place, id=fault.id)
         return None

@@ -39,12 +39,12 @@ def _bases() -> Iterator[Path]:
         yield Path(tempfile.gettempdir()) / f"flexmb-{os.getuid()}"
 
 
-def _refuse(path: Path, found: os.stat_result) -> None:
+def _refuse(path: Path, status: os.stat_result) -> None:
     """Note why a folder or file is not used, and the remedy."""
     reason = f"others may write to it; chmod go-w {path}"
-    if stat.S_ISLNK(found.st_mode):
+    if stat.S_ISLNK(status.st_mode):
         reason = "it is a link; remove it"
-    elif found.st_uid not in (0, os.getuid()):
+    elif status.st_uid not in (0, os.getuid()):
         reason = "it belongs to another user; let NUMBA_CACHE_DIR name another folder"
     note_once(refused, f"{path} is not used for compiled kernels: {reason}")
 

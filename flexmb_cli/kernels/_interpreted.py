@@ -13,9 +13,9 @@ _twins: dict[str, dict[str, object]] = {}  # globals of a module's interpreted f
 
 
 @contextmanager
-def interpreting(wanted: bool = True) -> Iterator[None]:
+def interpreting(interpreted: bool = True) -> Iterator[None]:
     """Run the kernels that are called within the block, in this thread, as plain Python."""
-    token = _interpreting.set(wanted)
+    token = _interpreting.set(interpreted)
     try:
         yield
     finally:

@@ -240,10 +240,10 @@ class ResumeFile:
             raise OutputError(f"{self.path}: another run is writing it; wait until it ends", id="RUN-007")
         return file
 
-    def _refuse_what_stands_there(self, found: bool) -> None:
+    def _refuse_what_stands_there(self, existed: bool) -> None:
         """Raise OutputError unless the open file is the one that was found, or may be written."""
         fault = None
-        if found and not self._stands():
+        if existed and not self._stands():
             message = f"{self.path}: it was exchanged or removed since it was read; run again"
             fault = OutputError(message, id="RUN-070")
         head = self._file.read(_LONGEST_HEAD)
@@ -319,9 +319,9 @@ class ResumeFile:
         if other:
             raise ModelError([Fault("error", self._refusal(stored, other), id="RUN-009")])
 
-    def _refusal(self, found: Any, names: Any) -> Any:
+    def _refusal(self, stored: Any, names: Any) -> Any:
         changes = "; ".join(
-            f"{name} was {_shown(found.get(name))}, is {_shown(self.identity[name])}" for name in names
+            f"{name} was {_shown(stored.get(name))}, is {_shown(self.identity[name])}" for name in names
         )
         return f"--resume: {self.path} is of another run: {changes}; run without --resume to start again"
 

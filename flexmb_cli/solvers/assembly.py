@@ -196,12 +196,12 @@ def nearest_of(
 
 
 def _starts(
-    sized: Sized, q: np.ndarray, found: list[Position], met: float
+    sized: Sized, q: np.ndarray, positions: list[Position], met: float
 ) -> Iterator[tuple[np.ndarray, float]]:
     """Yield starts and dampings; none after a position that is found near."""
     for damping in DAMPINGS:
         yield q, damping
-        if is_closed(found[-1][1], met) and sized.is_near(q, found[-1][0]):
+        if is_closed(positions[-1][1], met) and sized.is_near(q, positions[-1][0]):
             return
     for trial in range(1, OTHER_STARTS + 1 if sized.columns.size <= MOST_SEARCHED else 1):
         yield sized.aside(q, trial), DAMPINGS[0]

@@ -22,14 +22,14 @@ class Notices(Protocol):
         """Show what is being done until the next call."""
 
 
-def interpreting(wanted: bool = True) -> AbstractContextManager[None]:
-    """Return a block within which a system is built and evaluated by uncompiled kernels, if that is `wanted`.
+def interpreting(interpreted: bool = True) -> AbstractContextManager[None]:
+    """Return a block within which a system is built and evaluated by uncompiled kernels, if `interpreted`.
 
     A small system that is only looked at is ready before its kernels were compiled.
     """
     from ..kernels import _jit
 
-    return _jit.interpreting(wanted)
+    return _jit.interpreting(interpreted)
 
 
 def nothing_to_compile() -> bool:

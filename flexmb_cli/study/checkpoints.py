@@ -209,8 +209,8 @@ class Parts:
             return None
         return stored if isinstance(stored, dict) else None
 
-    def _refuse_other(self, found: dict[str, str]) -> None:
-        other = [name for name in self.identity if found.get(name) != self.identity[name]]
+    def _refuse_other(self, stored: dict[str, str]) -> None:
+        other = [name for name in self.identity if stored.get(name) != self.identity[name]]
         if other:
             message = (
                 f"{self.folder} holds a stopped study that differs in {', '.join(other)}; "

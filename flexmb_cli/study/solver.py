@@ -165,10 +165,10 @@ class CaseSolver:
             for k, case in enumerate(cases)
         ]
 
-    def _plain_result(self, case: int, times: np.ndarray, found: list[np.ndarray]) -> CaseResult:
+    def _plain_result(self, case: int, times: np.ndarray, rows_of_quantities: list[np.ndarray]) -> CaseResult:
         """The result of a case by the rows of each quantity, in blocks as an analysis yields them."""
         taken = self._nothing_taken()
-        for part, rows in zip(taken, found, strict=True):
+        for part, rows in zip(taken, rows_of_quantities, strict=True):
             for block in (slice(0, 1), slice(1, None)):
                 part.add(times[block], rows[block])
         return self._result(case, self.cases.row(case), DONE, self.rows, taken, "")

@@ -16,15 +16,15 @@ STATUS |= dict.fromkeys((INTERRUPTED, TERMINATED), "interrupted")
 
 
 @contextmanager
-def faults_in_json(wanted: bool, about: dict[str, Any], file: str) -> Iterator[None]:
-    """Failures in here are printed as one JSON object if `wanted`, and go on.
+def faults_in_json(as_json: bool, about: dict[str, Any], file: str) -> Iterator[None]:
+    """Failures in here are printed as one JSON object if `as_json`, and go on.
 
     `about` begins the record; `file` is named to blame where a failure names none.
     """
     try:
         yield
     except FlexmbError as failure:
-        if wanted:
+        if as_json:
             blamed = None if failure.of_the_call else failure.file or file
             print_record(failure.exit_code, failure.faults, blamed, about)
             failure.printed = True

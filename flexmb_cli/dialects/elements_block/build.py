@@ -113,10 +113,10 @@ class BlockBuilder:
         field, make = makers[line.word]
         return field, make(line)
 
-    def _refuse_twice(self, found: Mapping[str, Sequence[Any]]) -> None:
-        frictions = [item for item in found.get("forces", ()) if item.law is FRICTION]
+    def _refuse_twice(self, of_group: Mapping[str, Sequence[Any]]) -> None:
+        frictions = [item for item in of_group.get("forces", ()) if item.law is FRICTION]
         groups: list[tuple[Sequence[Any], Callable[..., Any]]] = [(frictions, lambda item: item.measure)]
-        groups += [(list(found.get(name, ())), key) for name, key in _ONE_OF.items()]
+        groups += [(list(of_group.get(name, ())), key) for name, key in _ONE_OF.items()]
         for items, key in groups:
             first: dict[Any, Any] = {}
             for item in items:
@@ -399,22 +399,22 @@ class BlockBuilder:
         value, rising = float(line[side]), side == "above"
         return Switch(line.subject, line["of"], catches, None, line["when"], value, rising, line.place)
 
-    def _put_off(self, found: dict[str, list[Any]], lines: Sequence[ElementLine]) -> None:
+    def _put_off(self, of_group: dict[str, list[Any]], lines: Sequence[ElementLine]) -> None:
         """Move joints and drivers that are caught later to a group of their own; refuse unknown ones."""
         switches: dict[str, list[Switch]] = {}
-        names = {item.name for key in ("generals", "drivers") for item in found.get(key, ())}
-        for item in found.get("switches", ()):
+        names = {item.name for key in ("generals", "drivers") for item in of_group.get(key, ())}
+        for item in of_group.get("switches", ()):
             switches.setdefault(item.part, []).append(item)
             if item.part not in names:
                 message = f"{item.part} names no line JOINT general, weld and so on, nor DRIVE at=…"
                 self.findings.error(item.name, message, item.place, id="ELEMENTS-208")
         off = {name for name, own in switches.items() if name in names and is_off_at_start(own)}
-        found["later"] = [item for key in ("generals", "drivers") for item in found.get(key, ())
+        of_group["later"] = [item for key in ("generals", "drivers") for item in of_group.get(key, ())
                           if item.name in off]  # fmt: skip
         for key in ("generals", "drivers"):
-            found[key] = [item for item in found.get(key, ()) if item.name not in off]
+            of_group[key] = [item for item in of_group.get(key, ()) if item.name not in off]
         for line in lines:
-            joint = next((one for one in found["later"] if one.name == line.subject), None)
+            joint = next((one for one in of_group["later"] if one.name == line.subject), None)
             if isinstance(joint, GeneralJoint):
                 self._refuse_bending(line, joint)
 

@@ -38,9 +38,9 @@ def matched(card: Card, line: str) -> re.Match[str] | None:
     return None if card.more else fixed.fullmatch(line.ljust(width))
 
 
-def values(found: re.Match[str]) -> list[float]:
+def values(match: re.Match[str]) -> list[float]:
     """Return the numbers of a data card that all cards of its type have, nan for empty fields."""
-    return [float(text) if text else math.nan for text in found.groups()]
+    return [float(text) if text else math.nan for text in match.groups()]
 
 
 def numbers(card: Card, line: str, at: int) -> tuple[Number, ...] | None:
@@ -53,20 +53,20 @@ def numbers(card: Card, line: str, at: int) -> tuple[Number, ...] | None:
     return read + _further(card.more, texts, len(card.columns), at) if card.more else read
 
 
-def _numbers(card: Card, found: re.Match[str], commas: int, end: Place) -> Iterator[Number]:
-    for index, (column, text) in enumerate(zip(card.columns, found.groups(), strict=True), 1):
+def _numbers(card: Card, match: re.Match[str], commas: int, end: Place) -> Iterator[Number]:
+    for index, (column, text) in enumerate(zip(card.columns, match.groups(), strict=True), 1):
         if text is None:
             place = end if commas else Place(end.line, _first(card.columns, index))
             yield Number(column.key, column.default, column.meaning, column.unit, place, "")
         else:
             value = int(text) if column.letter == "I" else float(text)
-            place = Place(end.line, found.start(index) + 1, len(text))
+            place = Place(end.line, match.start(index) + 1, len(text))
             yield Number(column.key, value, column.meaning, column.unit, place, text)
 
 
-def _further(more: Column, found: re.Match[str], head: int, at: int) -> tuple[Number, ...]:
+def _further(more: Column, match: re.Match[str], head: int, at: int) -> tuple[Number, ...]:
     """Return the numbers of a list, after the `head` ones; more than one get numbers after their key."""
-    texts = list(_WORD.finditer(found.string, found.end(head)))
+    texts = list(_WORD.finditer(match.string, match.end(head)))
     keys = [f"{more.key}{k}" for k in range(1, len(texts) + 1)] if len(texts) > 1 else [more.key]
     read = int if more.letter == "I" else float
     return tuple(

@@ -276,14 +276,14 @@ class _Cards:
         if self.numbers <= many_records.MANY_NUMBERS:
             self.records.append(record)
 
-    def _refuse(self, keyword: Word, found: Sequence[Word]) -> None:
+    def _refuse(self, keyword: Word, words: Sequence[Word]) -> None:
         """Refuse a word that is no card; what the block replaces with the line that says the same."""
         # Few decks have words that no card has.
         from ..elements_block.old_cards import LINES, refused
 
         word = keyword.text.upper()
         if word in LINES["young"]:
-            cards = [(keyword.place, [each.text for each in found])]
+            cards = [(keyword.place, [each.text for each in words])]
             self.made.faults += refused("young", word, cards, self.old)
         else:
             message = f"there is no card {number.shown(keyword.text)}{_hint(keyword.text)}"

@@ -76,8 +76,8 @@ def completed(deck: Deck) -> Deck:
     return replace(deck, records=records, warnings=(*deck.warnings, note))
 
 
-def _made(made: Any, index: int) -> Any:
-    return _completed(made(index))
+def _made(record_of: Any, index: int) -> Any:
+    return _completed(record_of(index))
 
 
 def _completed(record: Record) -> Record:

@@ -34,13 +34,13 @@ class CardRecords:
         """Report what is wrong at a place."""
         self.faults.append(Fault("error", message, place, subject, id=id))
 
-    def record(self, kind: Card, number_of_card: int, keyword: Word, found: Sequence[Word]) -> Record:
+    def record(self, kind: Card, number_of_card: int, keyword: Word, words: Sequence[Word]) -> Record:
         """The record of a card with as many words as it needs; faults of its numbers are noted."""
         subject = f"{kind.section} {number_of_card}"
-        numbers = [self.number(subject, *pair) for pair in zip(kind.columns, found, strict=False)]
+        numbers = [self.number(subject, *pair) for pair in zip(kind.columns, words, strict=False)]
         numbers += [
             Number(c.key, 0 if c.is_integer else 0.0, c.meaning, c.unit, keyword.place, "0")
-            for c in kind.columns[len(found) :]
+            for c in kind.columns[len(words) :]
         ]
         return Record(kind.section, number_of_card, subject, tuple(numbers))
 
@@ -126,10 +126,10 @@ class ReadCard(Record):
     def _takes_function(self) -> bool:
         return any(column.is_function for column in self._kind.columns)
 
-    def _names_one(self, found: re.Match[str]) -> bool:
+    def _names_one(self, match: re.Match[str]) -> bool:
         """Return whether the name of a function follows on the line of the last number."""
-        text, end = self._source.text, found.end()
-        return text[end : end + 1].isalpha() and not text[found.end(1) : end].strip(" \t")
+        text, end = self._source.text, match.end()
+        return text[end : end + 1].isalpha() and not text[match.end(1) : end].strip(" \t")
 
 
 def is_keyword(word: Word) -> bool:

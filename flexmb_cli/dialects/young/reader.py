@@ -143,11 +143,11 @@ class _Reading:
     def __post_init__(self) -> None:
         self.words = Words(self.source.lines)
 
-    def take(self, wanted: int) -> range:
-        """Places of the next `wanted` words, fewer at the end of the deck."""
+    def take(self, count: int) -> range:
+        """Places of the next `count` words, fewer at the end of the deck."""
         first = self.taken
-        self.words.reach(first + wanted)
-        self.taken = min(first + wanted, len(self.words))
+        self.words.reach(first + count)
+        self.taken = min(first + count, len(self.words))
         if self.taken > first and self.words[self.taken - 1].text == UNCLOSED:
             self.taken -= 1
             self.error(
@@ -187,9 +187,9 @@ def _read_counts(reading: _Reading) -> ReadRecord:
     return record
 
 
-def _report_few_counts(reading: _Reading, found: int) -> None:
-    if found:
-        reading.early_end("counts", f"the deck ends after {found} of the 12 counts", id="YOUNG-176")
+def _report_few_counts(reading: _Reading, count: int) -> None:
+    if count:
+        reading.early_end("counts", f"the deck ends after {count} of the 12 counts", id="YOUNG-176")
     else:
         reading.early_end("", "the deck is empty; a YOUNG deck begins with 12 integers", id="YOUNG-177")
 
@@ -254,24 +254,24 @@ def _blocks(reading: _Reading, counts: ReadRecord) -> Iterator[tuple[Section, in
         yield section, len(section.columns) * (counts[section.count] if section.count else 1)
 
 
-def _record(reading: _Reading, section: Section, number_of_record: int, found: range) -> ReadRecord:
-    texts = reading.words.texts(found.start, found.stop)
+def _record(reading: _Reading, section: Section, number_of_record: int, places: range) -> ReadRecord:
+    texts = reading.words.texts(places.start, places.stop)
     try:
         read = [spelled(text) for spelled, text in zip(section.spellings, texts, strict=False)]
         values, warnings = zip(*read, strict=True) if read else ((), ())
     except number.Misspelt:
         values, warnings = (), (True,)
     if any(warnings):
-        values = tuple(_values(reading, section, number_of_record, found))
-    return ReadRecord(section, number_of_record, values, reading.words, found.start)
+        values = tuple(_values(reading, section, number_of_record, places))
+    return ReadRecord(section, number_of_record, values, reading.words, places.start)
 
 
 def _values(
-    reading: _Reading, section: Section, number_of_record: int, found: range
+    reading: _Reading, section: Section, number_of_record: int, places: range
 ) -> Iterator[float | None]:
     """The values of a record, None for a word that is no number; each of its faults is reported."""
     subject = subject_of(section, number_of_record)
-    for column, spelled, place in zip(section.columns, section.spellings, found, strict=False):
+    for column, spelled, place in zip(section.columns, section.spellings, places, strict=False):
         word = reading.words[place]
         try:
             value, warning = spelled(word.text)

@@ -116,15 +116,15 @@ def element_mesh(given: FlexibleInput) -> BodyMesh | None:
         return None
 
 
-def _rows(given: FlexibleInput, found: ElementTable) -> np.ndarray:
+def _rows(given: FlexibleInput, table: ElementTable) -> np.ndarray:
     order = np.argsort(given.numbers)
-    places = np.searchsorted(given.numbers[order], found.nodes)
+    places = np.searchsorted(given.numbers[order], table.nodes)
     rows = order[np.minimum(places, len(order) - 1)]
-    missing = given.numbers[rows] != found.nodes
+    missing = given.numbers[rows] != table.nodes
     if missing.any():
         element, node = np.argwhere(missing)[0]
         raise FEFileFault(
-            f"element {found.numbers[element]} has node {found.nodes[element, node]}, which no line of the "
+            f"element {table.numbers[element]} has node {table.nodes[element, node]}, which no line of the "
             "node table defines",
             id="FE-011",
         )

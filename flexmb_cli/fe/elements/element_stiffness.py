@@ -48,17 +48,17 @@ def matching_elements(
     return min(candidates, key=lambda body: body.deviation)
 
 
-def element_stiffness(made: SolidElements, D: np.ndarray) -> tuple[Any, Any]:
+def element_stiffness(elements: SolidElements, D: np.ndarray) -> tuple[Any, Any]:
     """Return the nodal stiffness (m, 3 k, 3 k), N/m, and how incompatible modes follow the nodes.
 
-    `made`: m elements of k nodes; `D` (6, 6), Pa.  The second has (m, internal degrees of freedom, 3 k).
+    `elements`: m elements of k nodes; `D` (6, 6), Pa.  The second has (m, internal degrees of freedom, 3 k).
     """
-    count, nodal = len(made.rows), 3 * made.nodes
-    inner = 3 * made.gradients.shape[2] - nodal
+    count, nodal = len(elements.rows), 3 * elements.nodes
+    inner = 3 * elements.gradients.shape[2] - nodal
     stiffness, internal = np.empty((count, nodal, nodal)), np.zeros((count, inner, nodal))
     for part in parts(count):
-        B = made.strains(part)
-        full = np.einsum("mgai,ab,mgbj,mg->mij", B, D, B, made.volumes[part], optimize=True)
+        B = elements.strains(part)
+        full = np.einsum("mgai,ab,mgbj,mg->mij", B, D, B, elements.volumes[part], optimize=True)
         stiffness[part] = full[:, :nodal, :nodal]
         if inner:
             internal[part] = -np.linalg.solve(full[:, nodal:, nodal:], full[:, nodal:, :nodal])
@@ -81,7 +81,7 @@ def assembled(elements: np.ndarray, rows: np.ndarray, n: int, directions: int) -
 
 
 def uniform_strain_deviation(
-    made: SolidElements, stiffness: np.ndarray, positions: np.ndarray, K: np.ndarray
+    elements: SolidElements, stiffness: np.ndarray, positions: np.ndarray, K: np.ndarray
 ) -> float:
     """Return how far `K` and the elements differ in the nodal forces of uniform strains, relative.
 
@@ -90,9 +90,9 @@ def uniform_strain_deviation(
     fields = np.zeros((*positions.shape, 9))
     for i, j in np.ndindex(3, 3):
         fields[:, i, 3 * i + j] = positions[:, j]
-    nodal = fields[made.rows].reshape(len(made.rows), -1, 9)
+    nodal = fields[elements.rows].reshape(len(elements.rows), -1, 9)
     forces = np.zeros(fields.shape)
-    np.add.at(forces, made.rows, (stiffness @ nodal).reshape(*made.rows.shape, 3, 9))
+    np.add.at(forces, elements.rows, (stiffness @ nodal).reshape(*elements.rows.shape, 3, 9))
     exact = K @ fields.reshape(-1, 9)
     return float(np.abs(exact - forces.reshape(-1, 9)).max() / np.abs(exact).max())
 

@@ -38,8 +38,8 @@ _ELEMENT, _PARAMETERS = "USER ELEMENT", ("NODES", "LINEAR", "UNSYMM", "TYPE", "C
 _READ = {_ELEMENT: _PARAMETERS, "MATRIX": ("TYPE",), "MATRIX INPUT": ("NAME", "TYPE")}
 
 
-def read_abaqus(path: Path, letter: str = "K", wanted: str = "") -> MatrixFile:
-    """The matrix `wanted` at `path`, or the one that `letter` (M K G) means.  Raises FEFileFault."""
+def read_abaqus(path: Path, letter: str = "K", title: str = "") -> MatrixFile:
+    """The matrix `title` at `path`, or the one that `letter` (M K G) means.  Raises FEFileFault."""
     name, lines = path.name, lines_of(path)
     if lines and lines[0].lower().startswith("%%matrixmarket"):
         raise line_fault(name, 1, "this is a Matrix Market file: the format is MM", id="FE-087")
@@ -54,7 +54,7 @@ def read_abaqus(path: Path, letter: str = "K", wanted: str = "") -> MatrixFile:
         NamedMatrix(label, True, partial(_read_one, name, rows, body, numbers))
         for label, rows, (body, numbers) in sections
     ]
-    return chosen(name, matrices, letter, wanted)
+    return chosen(name, matrices, letter, title)
 
 
 def _sections(name: str, lines: list[str]) -> Iterator[tuple[str, Any, tuple[Any, Any]]]:

@@ -90,19 +90,19 @@ def read_elements(path: Path, form: str) -> ElementTable:
     )
 
 
-def _check_nodes(found: list[_Element]) -> None:
-    for element in found:
+def _check_nodes(elements: list[_Element]) -> None:
+    for element in elements:
         if len(element.nodes) not in COUNTS or len(set(element.nodes)) < len(element.nodes):
             message = f"element {element.number} has not the different nodes of one of the {_KNOWN}"
             raise element.line.fault(message, id="FE-097")
 
 
-def _check_kinds(name: str, found: list[_Element]) -> None:
-    counts = {len(element.nodes) for element in found}
+def _check_kinds(name: str, elements: list[_Element]) -> None:
+    counts = {len(element.nodes) for element in elements}
     if len(counts) > 1:
         mixed = " and of ".join(map(str, sorted(counts)))
         raise FEFileFault(f"{name} mixes elements of {mixed} nodes; use one type", id="FE-021")
-    kinds = sorted({element.kind for element in found})
+    kinds = sorted({element.kind for element in elements})
     if len(kinds) > 1:
         message = f"{name} mixes elements of types {' and '.join(kinds)}; use one type"
         raise FEFileFault(message, id="FE-084")

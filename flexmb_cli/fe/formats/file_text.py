@@ -47,10 +47,10 @@ def bytes_of(path: Path, largest: int = LARGEST_FILE) -> bytes:
         raise FEFileFault(f"{path.name} cannot be read: {reason}", id="FE-024") from None
 
 
-def _check_kind(name: str, found: Any, largest: int) -> None:
-    if not stat.S_ISREG(found.st_mode):
+def _check_kind(name: str, status: Any, largest: int) -> None:
+    if not stat.S_ISREG(status.st_mode):
         raise FEFileFault(f"{name} is not a regular file, but a folder, a pipe or a device", id="FE-025")
-    if found.st_size >= largest:
+    if status.st_size >= largest:
         size = f"{largest // 2**30} GB" if largest >= 2**30 else f"{largest // 2**20} MB"
         raise FEFileFault(f"{name} is larger than the {size} that can be read", id="FE-026")
 

@@ -114,9 +114,9 @@ def _format(name: str, line: str, first: int, width: int) -> tuple[str, int]:
 
 
 def _numbers(
-    name: str, lines: list[str], numbers: Sequence[int], count: int, form: tuple[str, int], wanted: int
+    name: str, lines: list[str], numbers: Sequence[int], count: int, form: tuple[str, int], total: int
 ) -> np.ndarray:
-    """`wanted` numbers from `count` lines, separated by blanks or cut by the width of their format.
+    """`total` numbers from `count` lines, separated by blanks or cut by the width of their format.
 
     `numbers`: of these and all later lines.
     """
@@ -127,14 +127,14 @@ def _numbers(
         message = f"{name} ends at line {len(lines)}, {count - len(section)} lines too early"
         raise FEFileFault(message, id="FE-036")
     read = integer if letter == "I" else real
-    split = _split(section, read, wanted)
-    return _cut(name, section, numbers, width, read, wanted) if split is None else split
+    split = _split(section, read, total)
+    return _cut(name, section, numbers, width, read, total) if split is None else split
 
 
-def _split(section: list[str], read: Callable[..., Any], wanted: int) -> np.ndarray | None:
-    """The numbers between blanks, None where they are not `wanted` ones."""
+def _split(section: list[str], read: Callable[..., Any], total: int) -> np.ndarray | None:
+    """The numbers between blanks, None where they are not `total` ones."""
     words = " ".join(section).split()
-    if len(words) != wanted:
+    if len(words) != total:
         return None
     try:
         return np.array([read(word) for word in words])
@@ -143,7 +143,7 @@ def _split(section: list[str], read: Callable[..., Any], wanted: int) -> np.ndar
 
 
 def _cut(
-    name: str, section: list[str], numbers: Sequence[int], width: int, read: Callable[..., Any], wanted: int
+    name: str, section: list[str], numbers: Sequence[int], width: int, read: Callable[..., Any], total: int
 ) -> np.ndarray:
     """The numbers in fields of `width` columns."""
     cells = [
@@ -151,11 +151,11 @@ def _cut(
         for line, number in zip(section, numbers, strict=False)
         for i in range(0, len(line.rstrip()), width)
     ]
-    if len(cells) < wanted:
-        message = f"expected {wanted} numbers, read {len(cells)} in fields of {width} columns (line 4)"
+    if len(cells) < total:
+        message = f"expected {total} numbers, read {len(cells)} in fields of {width} columns (line 4)"
         raise FEFileFault(f"{name}, lines {numbers[0]}-{numbers[len(section) - 1]}: {message}", id="FE-037")
     values = []
-    for cell, number in cells[:wanted]:
+    for cell, number in cells[:total]:
         try:
             values.append(read(cell))
         except ValueError:

@@ -102,7 +102,7 @@ def _array(
     return MatrixFile(size, rows, columns, values, symmetric)
 
 
-def _check_count(name: str, found: int, announced: int) -> None:
-    if found != announced:
-        message = f"{name} announces {announced} entries and holds {found}; was it cut off, or edited?"
+def _check_count(name: str, present: int, announced: int) -> None:
+    if present != announced:
+        message = f"{name} announces {announced} entries and holds {present}; was it cut off, or edited?"
         raise FEFileFault(message, id="FE-041")

@@ -23,8 +23,8 @@ _REAL = (1, 2)
 _MANY_VALUES = 50_000
 
 
-def read_dmig(path: Path, letter: str, wanted: str = "") -> MatrixFile:
-    """The DMIG matrix `wanted` at `path`, or the one that `letter` (M K G) means.  Raises FEFileFault."""
+def read_dmig(path: Path, letter: str, title: str = "") -> MatrixFile:
+    """The DMIG matrix `title` at `path`, or the one that `letter` (M K G) means.  Raises FEFileFault."""
     cards: dict[str, list[BulkCard]] = {}
     scalars: list[range] = []
     for card in bulk_cards(path, ("DMIG", "SPOINT")):
@@ -38,7 +38,7 @@ def read_dmig(path: Path, letter: str, wanted: str = "") -> MatrixFile:
         NamedMatrix(name, _is_usable(columns[0]), partial(_matrix, path, name, columns, scalars))
         for name, columns in cards.items()
     ]
-    return chosen(path.name, matrices, letter, wanted)
+    return chosen(path.name, matrices, letter, title)
 
 
 def _is_usable(header: BulkCard) -> bool:

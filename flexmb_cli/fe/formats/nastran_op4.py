@@ -24,13 +24,13 @@ _PACKED = 65536
 _HEADING_WORDS = 6
 
 
-def read_op4(path: Path, letter: str, wanted: str = "") -> MatrixFile:
-    """The matrix `wanted` at `path`, or the one that `letter` (M K G) means.  Raises FEFileFault."""
+def read_op4(path: Path, letter: str, title: str = "") -> MatrixFile:
+    """The matrix `title` at `path`, or the one that `letter` (M K G) means.  Raises FEFileFault."""
     raw = bytes_of(path)
     matrices = _binary_matrices(path.name, raw) if is_binary(raw) else _text_matrices(path)
     if not matrices:
         raise FEFileFault(f"{path.name} is empty", id="FE-044")
-    return chosen(path.name, matrices, letter, wanted)
+    return chosen(path.name, matrices, letter, title)
 
 
 class _Text(NamedTuple):

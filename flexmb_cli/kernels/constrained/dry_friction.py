@@ -57,9 +57,11 @@ def first_friction(loads: np.ndarray) -> int:
 
 
 @kernel
-def fill_joint_forces(system: System, work: Work, first: int, lam: np.ndarray, found: np.ndarray) -> None:
-    """Fill found (frictions, 5) with the joint forces of the multipliers lam, N, and the preloads."""
-    for k in range(found.shape[0]):
+def fill_joint_forces(
+    system: System, work: Work, first: int, lam: np.ndarray, joint_forces: np.ndarray
+) -> None:
+    """Fill joint_forces (frictions, 5) with the joint forces of the multipliers lam, N, and the preloads."""
+    for k in range(joint_forces.shape[0]):
         load = system.loads[first + k]
         group, axis = system.groups[load["group"]], vector(work.body_vectors[VECTOR], load["body_vector"])
         # The ground has no columns; the other body bears the opposite force.
@@ -70,14 +72,14 @@ def fill_joint_forces(system: System, work: Work, first: int, lam: np.ndarray, f
             for row in range(group["first_row"], group["end_row"]):
                 share = entry_of(work.jacobian, work.columns, row, column)
                 total += lam[row] * system.row_scale[row] * share / system.speed_scale[column]
-            found[k, i] = total
+            joint_forces[k, i] = total
             along += total * axis[i]
             square += axis[i] * axis[i]
         # Between nodes of a flexible body the axis stretches.
         for i in range(3):
-            found[k, i] -= along / square * axis[i]
-        found[k, THREAD] = load["thread"] * along / math.sqrt(square)
-        found[k, PRELOAD] = load["c"][NORMAL_PRELOAD]
+            joint_forces[k, i] -= along / square * axis[i]
+        joint_forces[k, THREAD] = load["thread"] * along / math.sqrt(square)
+        joint_forces[k, PRELOAD] = load["c"][NORMAL_PRELOAD]
 
 
 @allocating

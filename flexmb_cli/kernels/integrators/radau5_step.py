@@ -405,11 +405,11 @@ def close_trial(system: System, work: Work, integration: "RadauIntegration", t: 
 
 
 @kernel
-def moved(integration: "RadauIntegration", found: np.ndarray) -> float:
-    """Return by how many tolerances `trial` was moved from found (N,), which becomes the difference."""
-    for i in range(found.shape[0]):
-        found[i] = integration.trial[i] - found[i]
-    return scaled_norm(integration, integration.trial, found)
+def moved(integration: "RadauIntegration", before: np.ndarray) -> float:
+    """Return by how many tolerances `trial` was moved from before (N,), which becomes the difference."""
+    for i in range(before.shape[0]):
+        before[i] = integration.trial[i] - before[i]
+    return scaled_norm(integration, integration.trial, before)
 
 
 @kernel

@@ -370,8 +370,8 @@ class _Placed:
                     f"loadVector={_list(torque.torque)}, bodyFixed={bool(torque.following)}{_factor(torque)})"
                 )
 
-    def elements(self, kept: list[bool]) -> Iterator[str]:
-        """Yield definitions and a line for every element; `kept`: whether a link repeats no equation."""
+    def elements(self, independent: list[bool]) -> Iterator[str]:
+        """Yield definitions and a line for every element; `independent`: links that repeat no equation."""
         elements = self.model.elements
         for item in elements.forces:
             if isinstance(item.measure, Push):
@@ -386,7 +386,7 @@ class _Placed:
             if item.law is SPRING and (item["curve"] or item["damper"]):
                 last = f"springForceUserFunction={_spring_text(item.with_values(rest=0.0))}"
             yield f"mbs.CreateSpringDamper({self._ends(item.measure)}, {law}, {last})"
-        for link, needed in zip(elements.composites, kept, strict=True):
+        for link, needed in zip(elements.composites, independent, strict=True):
             call = f"mbs.CreateDistanceConstraint({self._ends(link)}, distance={link.size!r})"
             yield call if needed else f"# {link.name} repeats equations of others"
 

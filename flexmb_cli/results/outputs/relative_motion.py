@@ -151,13 +151,13 @@ class Continued:
     def of(
         self,
         times: np.ndarray,
-        found: np.ndarray,
+        vectors: np.ndarray,
         rates: np.ndarray,
         nearest: Callable[[np.ndarray, np.ndarray], np.ndarray],
     ) -> np.ndarray:
         """Return rows (rows, 3), each the one of its like that is `nearest` to what the rates lead to."""
         rows: list[Any] = []
-        for time, value, rate in zip(times.tolist(), found, rates, strict=True):
+        for time, value, rate in zip(times.tolist(), vectors, rates, strict=True):
             if self.value is not None and self.rate is not None:
                 step = 0.5 * (time - self.time) * (self.rate + rate)
                 value = nearest(value, self.value + np.where(np.isfinite(step), step, 0.0))

@@ -233,11 +233,11 @@ def gaps_of(
     return gaps
 
 
-def record_mobility(report: CheckReport, found: "Mobility") -> None:
+def record_mobility(report: CheckReport, mobility: "Mobility") -> None:
     """Record the rank, the smallest singular value, repeated equations and what is free to move."""
-    report.rank, report.smallest = int(found.rank), float(found.smallest)
-    report.redundant = [[equation.name for equation in group] for group in found.redundant]
-    report.free = [list(names) for names in found.free]
+    report.rank, report.smallest = int(mobility.rank), float(mobility.smallest)
+    report.redundant = [[equation.name for equation in group] for group in mobility.redundant]
+    report.free = [list(names) for names in mobility.free]
 
 
 def note_slips(report: CheckReport, evaluator: Any, q: np.ndarray, t: float, angles: np.ndarray) -> None:

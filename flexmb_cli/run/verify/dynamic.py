@@ -76,27 +76,29 @@ def _refuse_elements(model: Any) -> None:
         raise ModelError([Fault("error", message, id="RUN-030")])
 
 
-def _differences(found: dict[str, np.ndarray], rows: Any, motion: Any, size: Size) -> tuple[Difference, ...]:
+def _differences(
+    motions: dict[str, np.ndarray], rows: Any, motion: Any, size: Size
+) -> tuple[Difference, ...]:
     """Return the differences of positions, attitudes and their derivatives, and of efforts."""
     from ...solvers.natural_coordinates.equations import rotation_of
 
     shape = len(rows.time), -1, 4, 3
-    speed, turning = (np.max(np.abs(found[name])) for name in ("velocity", "angular_velocity"))
+    speed, turning = (np.max(np.abs(motions[name])) for name in ("velocity", "angular_velocity"))
     X, V, A = (part.reshape(shape) for part in (rows.X, rows.V, rows.A))
-    turned = np.array([[rotation_of(p).T for p in row] for row in found["euler_parameters"]])
+    turned = np.array([[rotation_of(p).T for p in row] for row in motions["euler_parameters"]])
     pairs: list[tuple[Any, ...]] = [
-        ("body position", "m", found["position"], X[:, :, 0]),
+        ("body position", "m", motions["position"], X[:, :, 0]),
         ("body attitude", "1", turned, X[:, :, 1:]),
-        ("body velocity", "m/s", found["velocity"], V[:, :, 0]),
-        ("body angular velocity", "rad/s", found["angular_velocity"], _omega(X, V)),
-        ("body acceleration", "m/s^2", found["acceleration"], A[:, :, 0], speed * turning),
-        ("body angular acceleration", "rad/s^2", found["angular_acceleration"], _omega(X, A), turning**2),
+        ("body velocity", "m/s", motions["velocity"], V[:, :, 0]),
+        ("body angular velocity", "rad/s", motions["angular_velocity"], _omega(X, V)),
+        ("body acceleration", "m/s^2", motions["acceleration"], A[:, :, 0], speed * turning),
+        ("body angular acceleration", "rad/s^2", motions["angular_acceleration"], _omega(X, A), turning**2),
     ]
-    if "kinetic" in found:
+    if "kinetic" in motions:
         kinetic = 0.5 * np.einsum("ti,ij,tj->t", rows.V, motion.M, rows.V)
-        pairs.append(("kinetic energy", "J", found["kinetic"], kinetic))
+        pairs.append(("kinetic energy", "J", motions["kinetic"], kinetic))
     if rows.effort.size:
-        efforts = found["driver_effort"]
+        efforts = motions["driver_effort"]
         known = np.isfinite(rows.effort)
         pairs.append(
             ("driver effort", "N, N m", np.where(known, efforts, 0.0), np.where(known, rows.effort, 0.0))

@@ -56,10 +56,10 @@ class ElementRows(ElementAnswers, DynamicRows):
     composite_torque: np.ndarray  # (T, composite joints, 3) on body J about P_j, global axes, N m
 
 
-def joined(made: Callable[..., R], rows: Any, **more: Any) -> R:
-    """Rows of the type `made`: fields of `rows`, and those that are given."""
+def joined(rows_type: Callable[..., R], rows: Any, **more: Any) -> R:
+    """Rows of the type `rows_type`: fields of `rows`, and those that are given."""
     known = {field.name: getattr(rows, field.name) for field in fields(rows)}
-    return made(**{**known, **more})
+    return rows_type(**{**known, **more})
 
 
 def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> ElementRows:

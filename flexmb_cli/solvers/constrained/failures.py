@@ -178,25 +178,26 @@ def _remedies(analysis: ConstrainedState) -> str:
     return f"try {methods}, or a smaller one{creep}"
 
 
-def repetition(found: Mobility, usual: int | None, kind: str, each: str) -> Fault:
+def repetition(mobility: Mobility, usual: int | None, kind: str, each: str) -> Fault:
     """Some equations repeat others: the motion is unique, the split of forces between them is a choice.
 
     A warning, or a note where they are as many as `usual`, `each` in a mechanism of this `kind`.
     """
-    if len(found.redundant) == usual:
+    if len(mobility.redundant) == usual:
+        total = mobility.equations
         message = (
-            f"{kind}: {usual} of {found.equations} equations repeat{'s' * (usual == 1)} others, {each}, as "
+            f"{kind}: {usual} of {total} equations repeat{'s' * (usual == 1)} others, {each}, as "
             f"{'it' if usual == 1 else 'they'} must; the motion is unique, reactions are those of least norm"
         )
         return Fault("note", message, id="SOLVE-034")
     # In the deck's order: shares that symmetry makes equal differ by round-off, another on every processor.
     repeated = sorted(
-        {equation for group in found.redundant for equation in group},
+        {equation for group in mobility.redundant for equation in group},
         key=lambda one: (one.place or (0, 0), one.owner, one.part),
     )
     owners = list(dict.fromkeys(equation.owner for equation in repeated))
     placed = [equation for equation in repeated if equation.place]
-    count = len(found.redundant)
+    count = len(mobility.redundant)
     shown = ", ".join(owners[:SHOWN_OWNERS]) + (" and others" if len(owners) > SHOWN_OWNERS else "")
     message = (
         f"{count} equation{' repeats' if count == 1 else 's repeat'} others, among those of {shown}; the "

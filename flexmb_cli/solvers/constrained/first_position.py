@@ -63,8 +63,8 @@ def assemble(
 def _closest(sized: Sized, instant: Instant, q: np.ndarray, columns: np.ndarray) -> Position:
     """Return the position near q (n + b,) that meets the equations best by changes of `columns` (n,)."""
 
-    def finish(found: np.ndarray) -> Position:
-        return project(instant, found, SHORTEST, shortened, None if columns.all() else columns)
+    def finish(q: np.ndarray) -> Position:
+        return project(instant, q, SHORTEST, shortened, None if columns.all() else columns)
 
     found = finish(q)
     if is_closed(found[1]) and sized.is_near(q, found[0]):

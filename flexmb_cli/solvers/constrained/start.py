@@ -275,7 +275,7 @@ def _after_impulse(
     q: np.ndarray,
     particular: np.ndarray,
     motions: np.ndarray,
-    wanted: np.ndarray,
+    speeds: np.ndarray,
     given: np.ndarray,
 ) -> np.ndarray:
     """Return the mass-weighted projection of the given speeds, then the nearest, then the smallest speeds."""
@@ -286,7 +286,7 @@ def _after_impulse(
     root = _root(M[np.ix_(given, given)])
     some = np.eye(scale.size)[given]
     stages = (root @ some, WEIGHTLESS), (some, DEPENDENT), (np.eye(scale.size), DEPENDENT)
-    aims = wanted / scale, wanted / scale, np.zeros(scale.size)
+    aims = speeds / scale, speeds / scale, np.zeros(scale.size)
     u = particular.copy()
     for (weights, smallest), aim in zip(stages, aims, strict=True):
         left, values, right = np.linalg.svd(weights @ motions)
@@ -341,16 +341,16 @@ def _refuse_contradiction(
     raise ModelError([about("error", message, worst, id="SOLVE-051")])
 
 
-def _changes(analysis: ConstrainedState, u: np.ndarray, wanted: np.ndarray, given: np.ndarray) -> np.ndarray:
+def _changes(analysis: ConstrainedState, u: np.ndarray, speeds: np.ndarray, given: np.ndarray) -> np.ndarray:
     """Return by how much the given speeds are changed, scaled (n,); 0 where they are kept."""
     scale = analysis.arrays.speed_scale
-    change = np.abs(u - wanted) / scale * given
-    largest = max(np.max(np.abs(u) / scale, initial=0.0), np.max(np.abs(wanted) / scale, initial=0.0))
+    change = np.abs(u - speeds) / scale * given
+    largest = max(np.max(np.abs(u) / scale, initial=0.0), np.max(np.abs(speeds) / scale, initial=0.0))
     return np.where(change > FITS * max(largest, FITS), change, 0.0)
 
 
-def _warn_of_change(analysis: ConstrainedState, u: np.ndarray, wanted: np.ndarray, given: np.ndarray) -> None:
-    change = _changes(analysis, u, wanted, given)
+def _warn_of_change(analysis: ConstrainedState, u: np.ndarray, speeds: np.ndarray, given: np.ndarray) -> None:
+    change = _changes(analysis, u, speeds, given)
     for item in analysis.velocities:
         own = slice(6 * item.body, 6 * item.body + 6)
         if np.max(change[own]) > 0.0:

@@ -211,14 +211,14 @@ class KinematicAnalysis(KinematicState):
             return first
         return self._with_repetitions(q, freedom)
 
-    def _with_repetitions(self, q: np.ndarray, found: Mobility) -> Rows:
+    def _with_repetitions(self, q: np.ndarray, at_start: Mobility) -> Rows:
         """The first row where equations repeat others, if they still do a little later.
 
         Raises AnalysisError if they do not: the start is a dead centre or a branching.
         """
         full, t = self.system, self.mechanism.time.time(0)
-        self.system = with_dependent_columns(full, found.pivots)
-        self._sparse, self._left_out = None, (found.repeated, found.pivots)
+        self.system = with_dependent_columns(full, at_start.pivots)
+        self._sparse, self._left_out = None, (at_start.repeated, at_start.pivots)
         self.singularities = PassedKinematicSingularities(self, active=False)
         self._restart(q)
         first, start = self._block(0, 1), self.singularities.memory()
@@ -234,5 +234,5 @@ class KinematicAnalysis(KinematicState):
             self.system = full
             raise singular_start(self, q, t)
         self.state, self.motion, self.clock = start
-        self.warnings.append(redundancy_warning(found))
+        self.warnings.append(redundancy_warning(at_start))
         return first

@@ -162,8 +162,8 @@ def assemble_by_search(
     """
     instant = Instant(evaluator, t, expected)
 
-    def finish(found: np.ndarray) -> Position:
-        return instant.at(found) if evaluator.is_large else project(instant, found, POLISH, improving)
+    def finish(start: np.ndarray) -> Position:
+        return instant.at(start) if evaluator.is_large else project(instant, start, POLISH, improving)
 
     sized = sized_equations(evaluator, q, t, expected)
     found, gap = nearest_of(sized, q, finish)
@@ -203,27 +203,27 @@ def too_large_to_rank(equations: int, most: int, t: float) -> AnalysisError:
 
 
 def free_motion_error(
-    evaluator: Evaluator, q: np.ndarray, found: Mobility, motion: np.ndarray, t: float
+    evaluator: Evaluator, q: np.ndarray, mobility: Mobility, motion: np.ndarray, t: float
 ) -> ModelError:
     """Something can move along the null vector `motion` (7 n,) that neither joints nor drivers determine."""
-    doubled = "; ".join(_group(group) for group in found.redundant)
+    doubled = "; ".join(_group(group) for group in mobility.redundant)
     message = (
         f"at t = {t:.6g} s a motion is left that nothing determines: {motion_text(evaluator, q, motion)}; "
         "constrain it (a simplified constraint or a driver) in place of an equation that repeats others: "
         f"{doubled}"
     )
-    return ModelError([about("error", message, *_placed(found), id="SOLVE-053")])
+    return ModelError([about("error", message, *_placed(mobility), id="SOLVE-053")])
 
 
-def redundancy_warning(found: Mobility) -> Fault:
+def redundancy_warning(mobility: Mobility) -> Fault:
     """Some equations repeat others, yet every motion is determined."""
-    groups = "; ".join(_group(group) for group in found.redundant)
+    groups = "; ".join(_group(group) for group in mobility.redundant)
     message = f"redundant equations, consistent with the others: {groups}"
-    return about("warning", message, *_placed(found), id="SOLVE-054")
+    return about("warning", message, *_placed(mobility), id="SOLVE-054")
 
 
-def _placed(found: Mobility) -> list[Equation]:
-    return [e for group in found.redundant for e in group if e.place]
+def _placed(mobility: Mobility) -> list[Equation]:
+    return [e for group in mobility.redundant for e in group if e.place]
 
 
 def _group(equations: tuple[Equation, ...], most: int = 6) -> str:

@@ -143,22 +143,22 @@ def _refuse_foreign(mechanism: Any) -> None:
         raise ModelError(faults)
 
 
-def _add_joint(found: Any, joint: Any) -> None:
-    n = found.bodies
+def _add_joint(equations: Any, joint: Any) -> None:
+    n = equations.bodies
     i, j = point(n, joint.i, joint.P_i), point(n, joint.j, joint.P_j)
     axis = vector(n, joint.j, _unit(joint.s_j)) if any(joint.s_j) else None
     if joint.kind in ("spherical", "universal", "revolute"):
-        found.add_linear(i - j, 0.0)
+        equations.add_linear(i - j, 0.0)
     if joint.kind == "universal":
-        found.add_product(vector(n, joint.i, _unit(joint.s_i)), axis)
+        equations.add_product(vector(n, joint.i, _unit(joint.s_i)), axis)
     if joint.kind in ("revolute", "cylindrical", "translational"):
         across = [vector(n, joint.i, u) for u in _across(joint.s_i)]
         for u in across:
-            found.add_product(u, axis)
+            equations.add_product(u, axis)
         for u in across if joint.kind != "revolute" else ():
-            found.add_product(u, j - i)
+            equations.add_product(u, j - i)
     if joint.kind == "translational":
-        found.add_product(vector(n, joint.i, _unit(joint.h_i)), vector(n, joint.j, _unit(joint.h_j)))
+        equations.add_product(vector(n, joint.i, _unit(joint.h_i)), vector(n, joint.j, _unit(joint.h_j)))
 
 
 def _unit(v: np.ndarray | tuple[float, float, float]) -> np.ndarray:
@@ -172,31 +172,31 @@ def _across(v: tuple[float, float, float]) -> tuple[np.ndarray, np.ndarray]:
     return u, np.cross(s, u)
 
 
-def _hold(found: Any, body: int, direction: Any, value: Any) -> None:
+def _hold(equations: Any, body: int, direction: Any, value: Any) -> None:
     if direction < 4:
-        found.add_linear(point(found.bodies, body, (0,) * 3)[direction - 1 : direction], value)
+        equations.add_linear(point(equations.bodies, body, (0,) * 3)[direction - 1 : direction], value)
         return
     (a, i), (b, j) = ANTISYMMETRIC[direction]
-    columns = [vector(found.bodies, body, np.eye(3)[column]) for column in (a, b)]
-    found.add_linear((columns[0][i] - columns[1][j])[None], 0.0)
+    columns = [vector(equations.bodies, body, np.eye(3)[column]) for column in (a, b)]
+    equations.add_linear((columns[0][i] - columns[1][j])[None], 0.0)
 
 
-def _fix(found: NaturalEquations, body: int, D: np.ndarray) -> Any:
+def _fix(equations: NaturalEquations, body: int, D: np.ndarray) -> Any:
     for a in range(3):
-        found.add_linear(vector(found.bodies, body, np.eye(3)[a]), D[:, a])
+        equations.add_linear(vector(equations.bodies, body, np.eye(3)[a]), D[:, a])
 
 
-def _drive(found: Any, driver: Driver) -> None:
-    first = len(found.linear)
+def _drive(equations: Any, driver: Driver) -> None:
+    first = len(equations.linear)
     if driver.direction < 4:
-        row = point(found.bodies, driver.body, (0,) * 3)[driver.direction - 1 : driver.direction]
-        found.add_linear(row, lambda t: driver_function(driver, t))
+        row = point(equations.bodies, driver.body, (0,) * 3)[driver.direction - 1 : driver.direction]
+        equations.add_linear(row, lambda t: driver_function(driver, t))
     else:
         for a in range(3):
-            form = vector(found.bodies, driver.body, np.eye(3)[a])
+            form = vector(equations.bodies, driver.body, np.eye(3)[a])
             for i in range(3):
-                found.add_linear(form[i : i + 1], _turning(driver, i, a))
-    found.driven.append(range(first, len(found.linear)))
+                equations.add_linear(form[i : i + 1], _turning(driver, i, a))
+    equations.driven.append(range(first, len(equations.linear)))
 
 
 def driver_function(driver: Driver, t: float) -> tuple[float, float, float]:

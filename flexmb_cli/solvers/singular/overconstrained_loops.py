@@ -48,8 +48,8 @@ def nearly_closed(
         return None
     sparse, gaps.sparse, sized.met = gaps.sparse, False, LOOSEST / 3.0
 
-    def finish(found: np.ndarray, dependent: float = LOOSEST) -> Position:
-        return project(instant, found, Corrections(1e-14, 60, dependent), shortened, columns)
+    def finish(start: np.ndarray, dependent: float = LOOSEST) -> Position:
+        return project(instant, start, Corrections(1e-14, 60, dependent), shortened, columns)
 
     try:
         found = finish(q) if near else nearest_of(sized, q, finish, columns, LOOSEST)
@@ -69,13 +69,13 @@ def nearly_closed(
 
 
 def _is_overconstrained(
-    gaps: PositionGaps, finish: Callable[..., Position], found: Position, dependent: float
+    gaps: PositionGaps, finish: Callable[..., Position], position: Position, dependent: float
 ) -> bool:
     """Return whether equations repeat others, and the mechanism moves along all that the others leave free.
 
     At a dead centre equations repeat others, too, but what they seem to leave free leads back.
     """
-    q = found[0]
+    q = position[0]
     finish(q, dependent)
     J = gaps.jacobian(q)
     assert isinstance(J, np.ndarray), "small"
@@ -112,9 +112,9 @@ def independence(work: Work) -> float:
     return float(np.linalg.svd(rows, compute_uv=False)[-1])
 
 
-def gap_note(gaps: PositionGaps, found: NearlyClosed, tolerance: float) -> Fault:
+def gap_note(gaps: PositionGaps, loop: NearlyClosed, tolerance: float) -> Fault:
     """Return the note on a loop that closes within the tolerance only."""
-    worst = worst_gaps(gaps.arrays, found.gap)
+    worst = worst_gaps(gaps.arrays, loop.gap)
     message = (
         f"a loop is overconstrained and closes only to {_size(worst)}, within {tolerance:.1e} (by the digits "
         "typed, or --loop-tolerance); equations that repeat others are left out, and the gap remains"
@@ -122,13 +122,13 @@ def gap_note(gaps: PositionGaps, found: NearlyClosed, tolerance: float) -> Fault
     return about("note", message, worst[0].equation, id="SOLVE-080")
 
 
-def gap_error(gaps: PositionGaps, found: NearlyClosed, t: float, tolerance: float) -> AnalysisError:
+def gap_error(gaps: PositionGaps, loop: NearlyClosed, t: float, tolerance: float) -> AnalysisError:
     """Return the refusal of a loop that closes less well than the tolerance."""
-    worst = worst_gaps(gaps.arrays, found.gap)
+    worst = worst_gaps(gaps.arrays, loop.gap)
     message = (
         f"at t = {t:.6g} s the mechanism cannot be assembled: a loop is overconstrained and closes only to "
         f"{_size(worst)}; the digits typed, or --loop-tolerance, allow {tolerance:.1e}: align its axes, "
-        f"replace a joint by one with more freedom, or allow more (--loop-tolerance {2 * found.size:.0e})"
+        f"replace a joint by one with more freedom, or allow more (--loop-tolerance {2 * loop.size:.0e})"
     )
     return AnalysisError(about("error", message, worst[0].equation, id="SOLVE-081"), t, gap_norms(worst))
 

@@ -105,15 +105,15 @@ def _close_nearly(analysis: TreeState, failure: AnalysisError) -> Fault:
     raise failure
 
 
-def _close_nearest(analysis: TreeState, kept: np.ndarray, start: np.ndarray) -> float:
+def _close_nearest(analysis: TreeState, held: np.ndarray, start: np.ndarray) -> float:
     """Close the loops nearest to the state `start`, as `_close` does."""
-    analysis.state[:] = nearest_closed(analysis, ~kept, start.copy())
-    return _close(analysis, kept)
+    analysis.state[:] = nearest_closed(analysis, ~held, start.copy())
+    return _close(analysis, held)
 
 
-def _close(analysis: TreeState, kept: np.ndarray) -> float:
-    """Close the loops while the coordinates marked in `kept` (NS,) stay; return the largest gap left, m."""
-    analysis.coordinates["held"] = kept
+def _close(analysis: TreeState, held: np.ndarray) -> float:
+    """Close the loops while the coordinates marked in `held` (NS,) stay; return the largest gap left, m."""
+    analysis.coordinates["held"] = held
     gap = np.inf
     for _ in range(MOST_ITERATIONS):
         before = gap

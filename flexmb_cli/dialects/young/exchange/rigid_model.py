@@ -155,15 +155,17 @@ class _Conversion(Conversion):
                 self._add_joint(rigid_joints, item, item.kind, item.size, None)
         return tuple(rigid_joints)
 
-    def _add_joint(self, found: list[RigidJoint], joint: Any, kind: str, size: float, k: int | None) -> None:
+    def _add_joint(
+        self, rigid_joints: list[RigidJoint], joint: Any, kind: str, size: float, k: int | None
+    ) -> None:
         i, j = self.number[joint.i], self.number[joint.j]
         if i == GROUND == j:
             return
         if k is not None:
-            self.joints[k] = len(found)
+            self.joints[k] = len(rigid_joints)
         ends = self.end(joint.i, joint.P_i)[1], self.end(joint.j, joint.P_j)[1]
         axes = self._direction(joint.i, joint.s_i), self._direction(joint.j, joint.s_j)
-        found.append(RigidJoint(joint.name, kind, i, j, *ends, *axes, size, joint.place))
+        rigid_joints.append(RigidJoint(joint.name, kind, i, j, *ends, *axes, size, joint.place))
 
     def _drivers(self) -> tuple[Any, ...]:
         """Drivers, and coordinates that are held, of bodies that move."""
