@@ -1,6 +1,6 @@
 """The table of units: names, what they are in SI units, consistent systems of decks, and conversion.
 
-An expression of units has factors with whole exponents, parted by blanks, and at most one stroke: "N m",
+An expression of units has factors with whole exponents, separated by blanks, and at most one stroke: "N m",
 "m/s2".  Factors: BIPM, The International System of Units, 9th edition (2019), tables 4 and 8; NIST SP 811
 (2008), appendix B, for inch, pound and their products.
 """
@@ -142,7 +142,7 @@ def in_si(unit: str) -> tuple[str, float]:
 
 
 def declared(unit: str, system: Units) -> str:
-    """Return an SI expression, or several parted by " or ", with the names of a consistent system."""
+    """Return an SI expression, or several separated by " or ", with the names of a consistent system."""
     return " or ".join(converted(each, system.names)[0] for each in unit.split(" or "))
 
 

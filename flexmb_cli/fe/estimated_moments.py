@@ -1,7 +1,7 @@
 """Moments of mass of a body given by rows of M and K: what M gives exactly, and estimates of the rest.
 
 With N_k the displacement field of row or shape k, M gives the sums of density times N_k and x cross N_k, but
-of G_k, the integral of N_k x', and of T_kl, that of N_k N_l', only parts.  Shapes are parted into a rigid
+of G_k, the integral of N_k x', and of T_kl, that of N_k N_l', only parts.  Shapes are split into a rigid
 motion (v, w), with which all moments are exact, and a rest without momentum P d:
 
 - symmetric part of G: products of the rest with the linear fields L x, whose rotations and modal rows are

@@ -150,7 +150,7 @@ def check_damping(given: FlexibleInput, B: np.ndarray, motions: np.ndarray, find
 def _few_digits(given: FlexibleInput, residual: float, digits: int) -> str:
     remedy = "at least ten"
     if given.stiffness.form == "DMIG":
-        remedy = "large fields of 16 columns (DMIG*), fields parted by commas, or OP4"
+        remedy = "large fields of 16 columns (DMIG*), fields separated by commas, or OP4"
     return (
         f"the digits of the stiffness are too few: with {digits} of them it resists rigid motion by "
         f"{residual:.1e} of the largest entry, as rounding makes it; export {remedy}"

@@ -171,12 +171,12 @@ def _follow(
 
 def _settled(model: Any, rest: np.ndarray | None, run: Run) -> tuple["Stiffness", np.ndarray]:
     """Return stiffness and state of the equilibrium that a model falls into from its start, or `rest`."""
-    from ..solvers.linearisation.equilibrium import settle, state_of
+    from ..solvers.linearisation.equilibrium import put_at_rest, state_of
     from ..solvers.linearisation.stiffness import stiffness_of
 
     analysis: Any = solution_of(model, _silent(run)).analysis
     analysis.rest = rest
-    formulation = settle(analysis)
+    formulation = put_at_rest(analysis)
     run.outcome.faults += [fault for fault in analysis.warnings if fault not in run.outcome.faults]
     return stiffness_of(formulation(analysis)), state_of(analysis)
 

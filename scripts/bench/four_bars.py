@@ -71,8 +71,8 @@ def run(deck: str) -> tuple[dict, list, str]:
 def energy_error(blocks) -> float:
     """The largest change of the total energy, as a share of the largest kinetic energy."""
     first = blocks[0].total[0]
-    strayed = max(abs(block.total - first).max() for block in blocks)
-    return strayed / max(block.kinetic.max() for block in blocks)
+    drift = max(abs(block.total - first).max() for block in blocks)
+    return drift / max(block.kinetic.max() for block in blocks)
 
 
 def least(call, count: int) -> float:

@@ -29,8 +29,8 @@ def with_variables(source: DeckText, by_columns: bool, changes: Iterable[str]) -
     `by_columns`: the dialect reads cards by columns.  Faults are added to those of the expansion.
     """
     assert source.expansion is not None, "it begins with a statement"
-    parted = (change.partition("=") for change in changes)
-    chosen = {name.strip(): word.strip() for name, _, word in parted}
+    pairs = (change.partition("=") for change in changes)
+    chosen = {name.strip(): word.strip() for name, _, word in pairs}
     variables = source.expansion.definitions
     writer = _Writer(source.expansion, {name: word for name, word in chosen.items() if name in variables})
     in_block, lines = False, []

@@ -1,7 +1,7 @@
 """Modal bodies of MBDyn (.fem): nodes, mode shapes, modal mass and stiffness, masses of the nodes.
 
 MBDyn Input File Format, "Modal joint", FEM file: record groups, each with a heading `** RECORD GROUP n,` and
-numbers parted by blanks; a line of a star begins each shape in group 8.
+numbers separated by blanks; a line of a star begins each shape in group 8.
 """
 
 import re

@@ -32,7 +32,7 @@ CLOCK = np.dtype(
         ("step_rejected", np.int64),  # `rejected` when it was tried
         ("rejected", np.int64),  # failed attempts before the one that is tried; explicit methods: 0 or 1
         ("longest", np.float64),  # accepted step so far, s; 0: short steps need no agreement
-        ("excused", np.int64),  # whether the caller agrees to short steps
+        ("short_step_allowed", np.int64),  # whether the caller agrees to short steps
         ("row", np.int64),  # report rows filled in this call
         ("steps", np.int64),  # accepted steps since the start
         ("evaluations", np.int64),  # evaluations of the equations since the start
@@ -43,7 +43,7 @@ CLOCK = np.dtype(
         ("counted", np.int64),  # components of the state whose errors count; behind them stand works
         ("error", np.float64),  # error of the step that is tried, in tolerances
         ("worst", np.int64),  # place in the state of its largest component
-        ("strayed", np.int64),  # whether the last attempt failed because the projection moved it too far
+        ("projection_too_large", np.int64),  # whether the projection moved the last attempt too far
         ("fault", np.int64),  # code of the last failed evaluation, or that of a solved one
         ("gap", np.float64),  # largest gap of the equations at the state, scaled, or m
         ("equation", np.int64),  # equation with that gap
@@ -68,7 +68,7 @@ def new_clock(counted: int = 0) -> np.ndarray:
 
 
 @kernel
-def laid_out(clock: np.void, h: float, share: float):
+def step_before_singularity(clock: np.void, h: float, share: float):
     """Length of the next step, at most a little longer than h, for a step over the position ahead that has
     it at this share of its length."""
     way = clock["singular"] - clock["t"]
@@ -82,6 +82,6 @@ def laid_out(clock: np.void, h: float, share: float):
 
 
 @kernel
-def leads_over(clock: np.void, h: float):
+def crosses_singularity(clock: np.void, h: float):
     """Return whether a step of length h leads over the singular position ahead."""
     return 0.0 < clock["singular"] - clock["t"] < h

@@ -19,14 +19,14 @@ from ..constrained.speeds import speeds_of_rates
 from ..constrained.system import CORRECTION, GAMMA, QD, SOLVED, System, Work
 from ..linalg.number_rows import copy
 from ..linalg.rank_revealing_lu import row_times
-from .clock import BEGIN, READY, STEP_VANISHED, leads_over, new_clock
+from .clock import BEGIN, READY, STEP_VANISHED, crosses_singularity, new_clock
 from .constrained_equations import (
-    IN_DOUBT,
-    code_of_gap,
+    NEAR_SINGULAR,
+    code_of_violation,
     contacts_of,
-    fill_doubtful,
+    fill_near_singular,
     first_speed,
-    note_gap,
+    note_violation,
     projected_slope,
     report_trial,
     slope,
@@ -135,7 +135,7 @@ def _holds(system: System, work: Work, integration: Integration, h: float, moved
     """Return whether a step may be made, whose projected end is in trial and was `moved` by so much."""
     clock = integration.clock[0]
     noise = max(1.0, NOISE * round_off(work) / clock["rtol"])
-    if not leads_over(clock, h):
+    if not crosses_singularity(clock, h):
         return moved < MOST_MOVED * noise + moved_by_time(integration, h)
     clock["error"] = min(clock["error"], error_on_constraints(system, work, integration, h))
     return clock["error"] < noise and moved * clock["rtol"] < MOST_BLURRED
@@ -147,9 +147,9 @@ def _watch(integration: Integration, system: System, work: Work):
     clock = integration.clock[0]
     clock["longest"] = max(clock["longest"], clock["step_length"])
     if clock["step_length"] > 10.0 * SHORT * clock["longest"]:
-        clock["excused"] = 0
+        clock["short_step_allowed"] = 0
     unwrap_angles(system, work, integration)
-    note_gap(integration, system, work)
+    note_violation(integration, system, work)
     look_ahead(
         system,
         work,
@@ -157,7 +157,7 @@ def _watch(integration: Integration, system: System, work: Work):
         coordinates_and_speeds(system, integration.slopes[STAGES])[1],
         clock["step"],
     )
-    return code_of_gap(integration)
+    return code_of_violation(integration)
 
 
 @kernel
@@ -173,10 +173,10 @@ def _fill_row(integration: Integration, t: float, report: Report, system: System
     clock, rates = integration.clock[0], report.rates[integration.clock[0]["row"]]
     x = _place_row(integration, t)
     code = report_trial(integration, t, x, report, system, work)
-    if code == IN_DOUBT:
+    if code == NEAR_SINGULAR:
         _place_row(integration, t)
         interpolate_slopes(integration.dense, x, clock["step_length"], first_speed(system), rates)
-        fill_doubtful(integration, t, x, report, system, work)
+        fill_near_singular(integration, t, x, report, system, work)
         return READY
     return code
 

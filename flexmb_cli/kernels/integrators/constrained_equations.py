@@ -14,7 +14,7 @@ import numpy as np
 from .._jit import allocating, kernel, plain
 from ..constrained.accelerations import accelerate, factorise_at
 from ..constrained.angle_unwrapping import EXPECTED, NEW, OLD
-from ..constrained.doubtful_row import fill_doubtful_row
+from ..constrained.near_singular_row import fill_doubtful_row
 from ..constrained.projection import largest_gap, project_position, project_speeds
 from ..constrained.report import BEHIND, NOW, Report, complete, coordinates_and_speeds, fill_load_powers
 from ..constrained.speeds import coordinate_rates, normalise
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ...model.arrays.contacts import Contacts
     from .integrations import AlphaIntegration, Integration, RadauIntegration
 
-IN_DOUBT = -1  # code of a row that round-off may rule
+NEAR_SINGULAR = -1  # code of a row that round-off may rule
 DOUBTFUL_PIVOT = 2e-3  # of the largest that the smallest pivot was, at most 1: round-off may rule a row below
 
 
@@ -112,7 +112,9 @@ def project(
 
 
 @kernel
-def note_gap(integration: "Integration | AlphaIntegration | RadauIntegration", system: System, work: Work):
+def note_violation(
+    integration: "Integration | AlphaIntegration | RadauIntegration", system: System, work: Work
+):
     """Note the largest gap, whose equations belong to the state, and the smallest pivot."""
     clock = integration.clock[0]
     clock["gap"], clock["equation"] = largest_gap(system, work)
@@ -120,7 +122,7 @@ def note_gap(integration: "Integration | AlphaIntegration | RadauIntegration", s
 
 
 @kernel
-def code_of_gap(integration: "Integration | AlphaIntegration | RadauIntegration"):
+def code_of_violation(integration: "Integration | AlphaIntegration | RadauIntegration"):
     """Return whether equations that repeat others still do, as a code."""
     clock = integration.clock[0]
     return READY if clock["gap"] <= clock["repeated"] else CONTRADICTION
@@ -196,7 +198,7 @@ def report_trial(
 ):
     """Fill a report row from `trial` at the fraction x of the last step, projected inside it; a code.
 
-    IN_DOUBT where the row is not filled since it `is_doubtful`.
+    NEAR_SINGULAR where the row is not filled since it `is_doubtful`.
     """
     clock, row, expected = integration.clock[0], integration.clock[0]["row"], integration.angles[EXPECTED]
     interpolate_angles(integration, x)
@@ -205,7 +207,7 @@ def report_trial(
         integration, t, expected, x < 1.0, integration.slopes[1], report.rates[row], system, work
     )[1]
     if is_doubtful(clock, work):
-        return IN_DOUBT
+        return NEAR_SINGULAR
     if clock["fault"] != SOLVED:
         return STEP_VANISHED
     complete(system, work, integration.trial, t, expected, power, report, row)
@@ -230,7 +232,7 @@ def firm_pivot(clock: np.void) -> float:
 
 
 @kernel
-def fill_doubtful(
+def fill_near_singular(
     integration: "Integration | AlphaIntegration | RadauIntegration",
     t: float,
     x: float,

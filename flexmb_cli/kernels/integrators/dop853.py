@@ -10,7 +10,7 @@ import numpy as np
 
 from .._jit import allocating, kernel
 from ..linalg.number_rows import copy
-from .clock import READY, laid_out, leads_over
+from .clock import READY, crosses_singularity, step_before_singularity
 from .dop853_table import (
     ALL_STAGES,
     DENSE_TERMS,
@@ -115,13 +115,13 @@ def _acceptance(slope: Callable[..., Any], watch: Callable[..., Any], close: Cal
 @kernel
 def _length(integration: Any, *arrays: Any):
     clock = integration.clock[0]
-    return min(laid_out(clock, clock["step"], SHARE), clock["stop"] - clock["t"])
+    return min(step_before_singularity(clock, clock["step"], SHARE), clock["stop"] - clock["t"])
 
 
 @kernel
 def _largest_error(clock: np.void, h: float):
     """Error of a step of length h, in tolerances, that its projection may take away."""
-    return max(BLURRED, BLURRED_SPEEDS / clock["rtol"]) if leads_over(clock, h) else 1.0
+    return max(BLURRED, BLURRED_SPEEDS / clock["rtol"]) if crosses_singularity(clock, h) else 1.0
 
 
 @kernel
@@ -144,7 +144,7 @@ def reject(integration: Any, h: float, factor: float, *arrays: Any) -> None:
     clock = integration.clock[0]
     clock["step"] = h * factor
     clock["rejections"] += 1
-    clock["rejected"], clock["strayed"] = 1, 0
+    clock["rejected"], clock["projection_too_large"] = 1, 0
 
 
 @kernel

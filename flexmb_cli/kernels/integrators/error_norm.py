@@ -53,7 +53,7 @@ def moved_by_time(integration: Any, h: float):
 
 
 @kernel
-def strayed(open_end: np.ndarray, closed_end: np.ndarray, clock: np.void):
+def projection_too_large(open_end: np.ndarray, closed_end: np.ndarray, clock: np.void):
     """Return the place in the state that the projection onto the loops moved too far, or -1.
 
     open_end (N,), closed_end (N,): the state at the end of a step before and after the projection.

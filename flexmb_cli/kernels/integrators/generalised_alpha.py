@@ -21,14 +21,14 @@ from ..linalg.rotation import A, rotation_matrices
 from .clock import BEGIN, READY, STEP_VANISHED, new_clock
 from .constrained_equations import (
     add_works,
-    code_of_gap,
+    code_of_violation,
     contacts_of,
-    fill_doubtful,
+    fill_near_singular,
     first_speed,
     first_step,
     interpolate_angles,
     is_doubtful,
-    note_gap,
+    note_violation,
     works_between,
 )
 from .generalised_alpha_step import (
@@ -163,7 +163,7 @@ def _accept(integration: AlphaIntegration, factor: float, system: System, work: 
     copy(integration.state_rates[LAST], integration.state_rates[BEFORE])
     copy(integration.state_rates[NEW], integration.state_rates[LAST])
     advance(clock, memory, h)
-    note_gap(integration, system, work)
+    note_violation(integration, system, work)
     if integration.angles.shape[1] > 0:
         q = coordinates_and_speeds(system, z)[0]
         rotation_matrices(q, work.rotations[A])
@@ -173,7 +173,7 @@ def _accept(integration: AlphaIntegration, factor: float, system: System, work: 
         look_ahead_of_given(system, work, integration, rates[LAST])
     else:
         look_ahead(system, work, integration, rates[LAST], memory["passing"])
-    return code_of_gap(integration)
+    return code_of_violation(integration)
 
 
 @kernel
@@ -187,7 +187,7 @@ def _fill_row(integration: AlphaIntegration, t: float, report: Report, system: S
     if is_doubtful(clock, work):
         _place_row(system, integration, t)
         _accelerations_between(system, integration, x, report.rates[row])
-        fill_doubtful(integration, t, x, report, system, work)
+        fill_near_singular(integration, t, x, report, system, work)
         return READY
     if not converged:
         return STEP_VANISHED

@@ -41,7 +41,7 @@ from ..linalg.cholesky import cholesky
 from ..linalg.number_rows import copy
 from ..linalg.rank_revealing_lu import smallest_pivot
 from ..signals import take_states
-from .clock import LOOK, leads_over
+from .clock import LOOK, crosses_singularity
 from .constrained_equations import fastest_change, firm_pivot, first_speed
 from .error_norm import CAUTION, ITERATED, SLOWEST, displacement_tolerance, tolerance
 from .signal_states import correct_states, error_of_trapezoid, know_end, predict_states
@@ -77,7 +77,7 @@ def share_of(clock: np.void, memory: np.void, work: Work, h: float, fastest: flo
     if memory["fixed"] > 0.0:
         return 1.0
     share = min(1.0, PASSED_ON * h / memory["span"])
-    if leads_over(clock, h):
+    if crosses_singularity(clock, h):
         share = max(share, PASSING)
     noise = NOISE * round_off(work)
     # Within the least pivot's way to zero, speeds change as much as that pivot does.
@@ -153,7 +153,7 @@ def _laid_out(clock: np.void, memory: np.void) -> float:
 @kernel
 def retreat(clock: np.void, memory: np.void, tried: float, h: float) -> None:
     """After a step of length `tried` that was not found, or not well enough: one of length h."""
-    over = leads_over(clock, tried)
+    over = crosses_singularity(clock, tried)
     if over:
         h = min(h, SHORTENED * tried)
     clock["step"] = min(clock["step"], h)
@@ -186,7 +186,7 @@ def advance(clock: np.void, memory: np.void, h: float) -> None:
             t = whole
             memory["whole"] = multiple
         clock["step"] = memory["fixed"]
-    elif not leads_over(clock, h):
+    elif not crosses_singularity(clock, h):
         clock["step"] = h * factor_of(clock, memory)
         memory["passing"] = max(clock["step"], _passing_step(clock, memory, h))
     clock["t"] = clock["stop"] if abs(clock["stop"] - t) <= same else t

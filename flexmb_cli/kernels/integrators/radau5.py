@@ -27,17 +27,17 @@ from ..constrained.system import NO_INERTIA, SOLVED, System, Work
 from ..laws import POWER
 from ..linalg.number_rows import copy
 from ..linalg.rank_revealing_lu import BRANCHING, smallest_pivot
-from .clock import BEGIN, READY, STEP_VANISHED, laid_out, new_clock
+from .clock import BEGIN, READY, STEP_VANISHED, new_clock, step_before_singularity
 from .constrained_equations import (
     add_works,
-    code_of_gap,
+    code_of_violation,
     contacts_of,
-    fill_doubtful,
+    fill_near_singular,
     first_speed,
     first_step,
     interpolate_angles,
     is_doubtful,
-    note_gap,
+    note_violation,
 )
 from .error_norm import MOST_MOVED, SLOWEST, moved_by_time, tolerance
 from .integrations import RadauIntegration
@@ -237,7 +237,7 @@ def _length(integration: RadauIntegration, system: System, work: Work):
     copy(integration.angles[NEW], work.angles)
     if not _is_current(integration, system, work):
         return 0.0
-    return min(laid_out(clock, clock["step"], SHARE), clock["stop"] - clock["t"])
+    return min(step_before_singularity(clock, clock["step"], SHARE), clock["stop"] - clock["t"])
 
 
 @kernel
@@ -324,13 +324,13 @@ def _accept(integration: RadauIntegration, factor: float, system: System, work: 
     clock["step"] = h * factor
     clock["rejected"], memory["last_error"] = 0, clock["error"]
     clock["steps"] += 1
-    note_gap(integration, system, work)
+    note_violation(integration, system, work)
     unwrap_angles(system, work, integration)
     if memory["left"] > WORN_MATRICES or work.quality[0] != memory["quality"]:
         renew_matrices(system, work, integration.matrices)
         memory["quality"] = work.quality[0]
     look_ahead(system, work, integration, rates[START], clock["step"])
-    return code_of_gap(integration)
+    return code_of_violation(integration)
 
 
 @kernel
@@ -352,7 +352,7 @@ def _fill_row(integration: RadauIntegration, t: float, report: Report, system: S
     if is_doubtful(clock, work):
         place_row(system, integration, t)
         accelerations_between(integration, x, report.rates[row])
-        fill_doubtful(integration, t, x, report, system, work)
+        fill_near_singular(integration, t, x, report, system, work)
         return READY
     if clock["fault"] != SOLVED:
         return STEP_VANISHED

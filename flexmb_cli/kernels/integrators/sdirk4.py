@@ -25,7 +25,7 @@ from ..tree.report import Report as TreeReport
 from ..tree.stiff_projection import project_stiffly
 from .clock import READY
 from .dop853 import reject
-from .error_norm import CAUTION, ITERATED, SLOWEST, strayed, tolerance
+from .error_norm import CAUTION, ITERATED, SLOWEST, projection_too_large, tolerance
 from .hermite import cubic, quintic
 from .time_loop import Method, time_loop
 from .tree_dop853 import contacts_of_tree, observe_trial
@@ -172,11 +172,11 @@ def _close_loops(
     clock, z = s.clock[0], s.z
     copy(z, s.trial)
     project_stiffly(tree, work, coordinates, z, s.stiff)
-    place = strayed(s.trial, z, clock)
+    place = projection_too_large(s.trial, z, clock)
     if place < 0:
         return
     clock["t"], clock["step"] = clock["step_start"], h / 4.0
-    clock["worst"], clock["rejected"], clock["strayed"] = place, 1, 1
+    clock["worst"], clock["rejected"], clock["projection_too_large"] = place, 1, 1
     clock["rejections"] += 1
     clock["steps"] -= 1
     copy(s.old, z)

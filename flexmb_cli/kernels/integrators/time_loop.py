@@ -57,7 +57,7 @@ def time_loop(method: Method, same: float = 0.0) -> Callable:
                 return AT_STOP
             elif clock["evaluations"] >= spent:
                 return PAUSED
-            elif clock["step"] < SHORT * clock["longest"] and clock["excused"] == 0:
+            elif clock["step"] < SHORT * clock["longest"] and clock["short_step_allowed"] == 0:
                 return STEP_SHORT
             else:
                 code = take_step(integration, spent, *arrays)

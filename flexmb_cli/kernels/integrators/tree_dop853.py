@@ -17,7 +17,7 @@ from ..tree.report import observe
 from .clock import NO_INERTIA, READY, new_clock
 from .dop853 import Equations, dop853, first_step, interpolate, next_factor
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGES
-from .error_norm import scaled_norm, strayed
+from .error_norm import projection_too_large, scaled_norm
 
 if TYPE_CHECKING:
     from ...model.arrays.contacts import Contacts
@@ -121,7 +121,7 @@ def _close(integration: Integration, tree: "TreeArrays", work: np.ndarray, coord
     turn_speeds(tree, coordinates, integration.trial, 1.0, integration.trial)
     project(tree, work, coordinates, integration.trial)
     turn_speeds(tree, coordinates, integration.trial, -1.0, integration.trial)
-    place = strayed(integration.z, integration.trial, clock)
+    place = projection_too_large(integration.z, integration.trial, clock)
     if place >= 0:
         _take_back(integration, place)
         return READY
@@ -138,7 +138,7 @@ def _take_back(integration: Integration, place: int) -> None:
     # A resumed run begins with the shorter step too.
     clock["step_length"] = clock["step_tried"] = clock["step"]
     clock["rejected"] = clock["step_rejected"] = 1
-    clock["worst"], clock["strayed"] = place, 1
+    clock["worst"], clock["projection_too_large"] = place, 1
     clock["rejections"] += 1
     clock["steps"] -= 1
     copy(integration.old, integration.z)

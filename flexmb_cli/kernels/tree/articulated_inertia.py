@@ -65,7 +65,7 @@ def subtract_outer(
 
 
 @part
-def hand_over(s: np.void, parent: np.void) -> None:
+def add_to_parent(s: np.void, parent: np.void) -> None:
     """Add what is left of a frame to its parent, seen from the parent's origin."""
     I = s["inertia"]
     r = triple(s["offset"], 0)

@@ -16,7 +16,7 @@ import numpy as np
 
 from .._jit import part
 from ..linalg.vec3 import accumulate, cross, dot, inward, plus, scaled, store, triple
-from .articulated_inertia import couple_rotation, couple_translation, hand_over, subtract_outer
+from .articulated_inertia import add_to_parent, couple_rotation, couple_translation, subtract_outer
 from .elements import add_element_wrenches, answer_elements
 from .friction import add_friction_efforts, answer_frictions, find_normal_forces
 from .hinge_forces import set_reactions
@@ -57,12 +57,12 @@ def accelerations(
     """
     clear_loop_forces(tree.closures)
     # One call of the solution only: another would be compiled another time.
-    for turn in (OPEN, CLOSED, ELASTIC):
-        if not _prepare_turn(tree, work, coordinates, turn):
+    for solution in (OPEN, CLOSED, ELASTIC):
+        if not _prepare_solution(tree, work, coordinates, solution):
             continue
         # Each time: accelerations of locked coordinates have joined the remainders of the hinges.
         place_frames(tree, work, coordinates, q, y, attitudes)
-        if turn == OPEN:
+        if solution == OPEN:
             coordinate_efforts(tree, work, q, y, coordinates)
             answer_elements(tree, work, t, q, y, coordinates)
             answer_frictions(tree, y)
@@ -73,11 +73,11 @@ def accelerations(
 
 
 @part
-def _prepare_turn(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, turn: int) -> bool:
+def _prepare_solution(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, solution: int) -> bool:
     """Lock and load the tree for a solution; False when it is not needed."""
-    if turn == CLOSED:
+    if solution == CLOSED:
         return _find_internal_forces(tree, work, coordinates)
-    if turn == ELASTIC:
+    if solution == ELASTIC:
         if not tree.one_way:
             return False
         set_reactions(tree, work)
@@ -85,8 +85,8 @@ def _prepare_turn(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray,
         c = coordinates[m]
         c["locked"] = c["held"]
         if tree.one_way:
-            c["locked"] = (c["held"] != 0 or tree.elastic[m]) if turn == OPEN else not tree.elastic[m]
-            if turn == OPEN and tree.elastic[m]:
+            c["locked"] = (c["held"] != 0 or tree.elastic[m]) if solution == OPEN else not tree.elastic[m]
+            if solution == OPEN and tree.elastic[m]:
                 c["rate"] = 0.0
     return True
 
@@ -128,7 +128,7 @@ def solve_tree(
         if fault != SOLVED:
             return fault
         if frames[k]["parent"] > 0 and frames[k]["node_frame"] < 0:
-            hand_over(work[k], work[frames[k]["parent"]])
+            add_to_parent(work[k], work[frames[k]["parent"]])
     for k in range(1, frames.shape[0]):
         if frames[k]["node_frame"] >= 0:
             continue
@@ -186,9 +186,9 @@ def _eliminate(s: np.void, c: np.void, part: int, scale: float) -> bool:
 @part
 def _accelerate_frame(frame: np.void, parent: np.void, s: np.void, coordinates: np.ndarray) -> None:
     """Accelerations of the hinge coordinates and of the origin, from those of the parent."""
-    turn = triple(parent["acceleration"], 0)
-    al = plus(triple(s["remainder"], 0), turn)
-    a = plus(triple(parent["acceleration"], 3), cross(turn, triple(s["offset"], 0)))
+    alpha_parent = triple(parent["acceleration"], 0)
+    al = plus(triple(s["remainder"], 0), alpha_parent)
+    a = plus(triple(parent["acceleration"], 3), cross(alpha_parent, triple(s["offset"], 0)))
     a = plus(a, triple(s["remainder"], 3))
     # The coordinate eliminated last is solved first.
     for i in range(frame["translations"] - 1, -1, -1):

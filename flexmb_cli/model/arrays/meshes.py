@@ -15,7 +15,7 @@ MESH_BOX = np.dtype(
 def mesh_boxes(triangles: np.ndarray, first_box: int, first_triangle: int) -> np.ndarray:
     """Return MESH_BOX records (2 n - 1,) of triangles (n, 9), m, in depth-first order.
 
-    Each box is parted at the median of the middles along its longest edge.
+    Each box is split at the median of the middles along its longest edge.
     """
     corners = triangles.reshape(-1, 3, 3)
     low, high, middle = corners.min(axis=1), corners.max(axis=1), corners.mean(axis=1)

@@ -174,7 +174,7 @@ class ConstrainedMotion(ConstrainedState):
         """Go on where steps are short for a load or a spring; raises AnalysisError at a singular position."""
         if is_singular(self, self.integration.z[: self._first.size], self._first):
             raise step_failure(self, codes.STEP_VANISHED)
-        self.clock["excused"] = 1
+        self.clock["short_step_allowed"] = 1
 
     def _begin_anew(self, t: float) -> None:
         """Go on at t, s, behind a jump of the accelerations, with those behind it; raises AnalysisError."""

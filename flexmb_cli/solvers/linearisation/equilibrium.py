@@ -44,7 +44,7 @@ def rest_of(analysis: Any, warnings: list[Fault]) -> np.ndarray:
     """
     from .constrained import linearised, modes_of
 
-    growing = modes_of(*linearised(analysis, settle(analysis))).growing
+    growing = modes_of(*linearised(analysis, put_at_rest(analysis))).growing
     if growing.size:
         message = (
             f"the equilibrium is unstable: a disturbance grows by e in {1.0 / growing.max():.3g} s; begin "
@@ -54,7 +54,7 @@ def rest_of(analysis: Any, warnings: list[Fault]) -> np.ndarray:
     return state_of(analysis)
 
 
-def settle(analysis: Any) -> type:
+def put_at_rest(analysis: Any) -> type:
     """Start an analysis, or begin at its `rest`, and bring it into an equilibrium.
 
     Return the class of its `LinearisedMotion`.  Raises as `find_equilibrium`.

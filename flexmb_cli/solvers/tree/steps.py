@@ -149,7 +149,7 @@ class TreeSteps(TreeState):
         norms = {"step": float(clock["step"]), "evaluations": int(clock["evaluations"])}
         if clock["fault"] != SOLVED:
             return AnalysisError(_no_inertia(self.tree, t, int(clock["fault"])), t, norms)
-        if clock["strayed"]:
+        if clock["projection_too_large"]:
             assert self.repeated is not None, "the tree has begun to move"
             shares, worst = pivot_shares(self.arrays), int(clock["worst"])
             return AnalysisError(stray(self.tree, shares, self.repeated, t, worst), t, norms)

@@ -12,10 +12,10 @@ from flexmb_cli.kernels._jit import kernel
 from flexmb_cli.kernels.constrained.angle_unwrapping import expect_angles, unwrap_angles
 from flexmb_cli.kernels.integrators.clock import BEGIN, READY, STEP_VANISHED, new_clock
 from flexmb_cli.kernels.integrators.constrained_equations import (
-    IN_DOUBT,
-    code_of_gap,
-    fill_doubtful,
-    note_gap,
+    NEAR_SINGULAR,
+    code_of_violation,
+    fill_near_singular,
+    note_violation,
     projected_slope,
     report_trial,
     slope,
@@ -90,8 +90,8 @@ def _accept(integration, factor, system, work):
     copy(integration.slopes[END], integration.dense[1])
     copy(integration.slopes[END], integration.slopes[0])
     unwrap_angles(system, work, integration)
-    note_gap(integration, system, work)
-    return code_of_gap(integration)
+    note_violation(integration, system, work)
+    return code_of_violation(integration)
 
 
 @kernel
@@ -119,7 +119,7 @@ def _place_row(integration, t):
 def _fill_row(integration, t, report, system, work):
     x = _place_row(integration, t)
     code = report_trial(integration, t, x, report, system, work)
-    if code != IN_DOUBT:
+    if code != NEAR_SINGULAR:
         return code
     # Near a singular position the rates are those of the interpolation: round-off may rule the equations.
     _place_row(integration, t)
@@ -130,7 +130,7 @@ def _fill_row(integration, t, report, system, work):
         i = first + k
         ends = h * integration.dense[0, i], h * integration.dense[1, i]
         rates[k] = cubic_slope(x, integration.old[i], integration.z[i], ends[0], ends[1]) / h
-    fill_doubtful(integration, t, x, report, system, work)
+    fill_near_singular(integration, t, x, report, system, work)
     return READY
 
 

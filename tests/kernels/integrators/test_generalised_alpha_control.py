@@ -3,7 +3,7 @@
 import numpy as np
 
 from flexmb_cli.kernels._jit import interpreting
-from flexmb_cli.kernels.integrators.clock import leads_over, new_clock
+from flexmb_cli.kernels.integrators.clock import crosses_singularity, new_clock
 from flexmb_cli.kernels.integrators.generalised_alpha import MEMORY
 from flexmb_cli.kernels.integrators.generalised_alpha_step import next_length, retreat
 
@@ -20,7 +20,7 @@ def test_another_try_is_always_shorter():
             clock["singular"] = memory["passing"] * rng.uniform(0.0, 1.0)
             tried = next_length(clock, memory)
             for _ in range(4):
-                over += leads_over(clock, tried)
+                over += crosses_singularity(clock, tried)
                 retreat(clock, memory, tried, rng.uniform(0.1, 0.85) * tried)
                 again = next_length(clock, memory)
                 assert again < tried

@@ -149,7 +149,7 @@ def test_steps_below_the_resolution_of_time_are_not_made():
 
 def test_steps_much_shorter_than_the_longest_need_the_agreement_of_the_caller():
     assert integrate(march_at(1e-8, longest=0.1), [1.0])[0] == STEP_SHORT
-    assert integrate(march_at(1e-8, longest=0.1, excused=1), [1.0])[0] == ROWS_FULL
+    assert integrate(march_at(1e-8, longest=0.1, short_step_allowed=1), [1.0])[0] == ROWS_FULL
 
 
 @pytest.mark.parametrize(

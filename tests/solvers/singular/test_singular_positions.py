@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from flexmb_cli.errors import AnalysisError
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.kernels.constrained.angle_unwrapping import EXPECTED
-from flexmb_cli.kernels.constrained.doubtful_row import fill_doubtful_row
+from flexmb_cli.kernels.constrained.near_singular_row import fill_doubtful_row
 from flexmb_cli.model.integrators import Integrator
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
