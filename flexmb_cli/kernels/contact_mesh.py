@@ -62,6 +62,10 @@ def _square_outside(box: np.void, p: Triple) -> float:
 
 @kernel
 def _nearest_on_triangle(corners: np.ndarray, p: Triple) -> Triple:
+    """Return the point of a triangle (9,) that is nearest to p: at a corner, on an edge, or inside.
+
+    By the regions of Ericson (2005), Real-Time Collision Detection, section 5.1.5.
+    """
     a, b, c = triple(corners, 0), triple(corners, 3), triple(corners, 6)
     ab, ac, ap = minus(b, a), minus(c, a), minus(p, a)
     d1, d2 = dot(ab, ap), dot(ac, ap)

@@ -2,12 +2,10 @@
 
 import pytest
 
-from flexmb_cli.run.outcome import RunOptions
-from flexmb_cli.run.solution import run_deck
 from flexmb_cli.solvers.constrained import analysis as constrained
 from flexmb_cli.solvers.tree import steps
 from tests.dialects.dafms.test_dafms_elements import MASSES, TWO_LINKS
-from tests.run.dafms_runs import stop_after
+from tests.run.resume.stopped_runs import resumed
 from tests.solvers.constrained.element_decks import ARM
 
 # Samples at 0.02 s, given out 0.05 s later: rows lie at samples, between them and at what is given out.
@@ -57,24 +55,6 @@ def short_blocks(monkeypatch):
     """Blocks of three rows, which end before, at and after samples."""
     for module in (constrained, steps):
         monkeypatch.setattr(module, "LARGEST_BLOCK", 3)
-
-
-def resumed(folder, name, text, stops, **options):
-    """Files of a run without a stop, and of one that is stopped after so many blocks each time."""
-    deck = folder / name
-    deck.write_text(text)
-    whole, stopped = folder / "whole", folder / "stopped"
-
-    def run(place, listener=None, resume=False):
-        return run_deck(str(deck), RunOptions(folder=str(place), resume=resume, **options), listener)
-
-    assert run(whole).exit_code == 0
-    for k, blocks in enumerate(stops):
-        outcome = run(stopped, stop_after(blocks), resume=k > 0)
-        assert (outcome.exit_code, outcome.resumable) == (130, True)
-    last = run(stopped, resume=True)
-    assert (last.exit_code, last.rows) == (0, 41)
-    return [{path.name: path.read_bytes() for path in place.iterdir()} for place in (whole, stopped)]
 
 
 @pytest.mark.long_motion

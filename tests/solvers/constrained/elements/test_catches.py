@@ -15,10 +15,9 @@ from click.testing import CliRunner
 from flexmb_cli.cli import cli
 from flexmb_cli.interface import solve_to_files, sweep
 from flexmb_cli.run.outcome import RunOptions
-from flexmb_cli.run.solution import run_deck
 from flexmb_cli.solvers.constrained import analysis as constrained
 from flexmb_cli.solvers.tree import steps
-from tests.run.dafms_runs import stop_after
+from tests.run.resume.stopped_runs import resumed
 
 pytestmark = pytest.mark.long_motion
 
@@ -286,24 +285,6 @@ def test_a_rotor_swings_between_two_drivers(tmp_path, name, method, options, wit
 def short_blocks(monkeypatch):
     for module in (constrained, steps):
         monkeypatch.setattr(module, "LARGEST_BLOCK", 3)
-
-
-def resumed(folder, name, text, stops, **options):
-    """Files of a run without a stop, and of one that is stopped after so many blocks each time."""
-    deck = folder / name
-    deck.write_text(text)
-    whole, stopped = folder / "whole", folder / "stopped"
-
-    def one(place, listener=None, resume=False):
-        return run_deck(str(deck), RunOptions(folder=str(place), resume=resume, **options), listener)
-
-    assert one(whole).exit_code == 0
-    for k, blocks in enumerate(stops):
-        outcome = one(stopped, stop_after(blocks), resume=k > 0)
-        assert (outcome.exit_code, outcome.resumable) == (130, True)
-    last = one(stopped, resume=True)
-    assert last.exit_code == 0
-    return [{path.name: path.read_bytes() for path in place.iterdir()} for place in (whole, stopped)]
 
 
 FORCED = (
