@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 class IntegratorType:
     """A method that steps mechanisms under constraints through time.
 
-    `module` of `kernels/integrators` has new_integration(work, angles, works) and the kernel
+    `module` of `kernels/integrators` has new_integration(work, angles, n_loads) and the kernel
     integrate_rows(task, system, work, integration, report, budget).
     """
 

@@ -40,7 +40,7 @@ CLOCK = np.dtype(
         ("stiff", np.int64),  # accepted steps of those looked at that lie at the limit of stability
         ("rtol", np.float64),  # relative tolerance
         ("atol", np.float64),  # absolute tolerance, of units of the state
-        ("counted", np.int64),  # components of the state whose errors count; behind them stand works
+        ("counted", np.int64),  # components of the state whose errors count; works of loads follow
         ("error", np.float64),  # error of the step that is tried, in tolerances
         ("worst", np.int64),  # place in the state of its largest component
         ("projection_too_large", np.int64),  # whether the projection moved the last attempt too far

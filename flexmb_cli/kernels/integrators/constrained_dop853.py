@@ -96,13 +96,13 @@ def _keep_allowed(system: System, work: Work, change: np.ndarray):
 MOST_BLURRED = 1e-5  # by how much the projection may move a step over a singular position, scaled
 
 
-def new_integration(work: Work, angles: int, works: int = 0, states: int = 0):
+def new_integration(work: Work, angles: int, n_loads: int = 0, states: int = 0):
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles.
 
-    The works of the first `works` loads are kept; `states`: those of signals.
+    The mechanical work of the first `n_loads` loads is integrated; `states`: those of signals.
     """
     counted = 2 * work.motions.shape[0] + work.mass.shape[0] + states
-    n = counted + 1 + works
+    n = counted + 1 + n_loads
     return Integration(
         new_clock(counted), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((ALL_STAGES, n)),
         np.zeros((DENSE_TERMS, n)), np.ones(n), np.zeros((3, angles)),

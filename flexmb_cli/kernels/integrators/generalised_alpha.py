@@ -76,19 +76,19 @@ MEMORY = np.dtype(
 )
 
 
-def new_integration(work: Any, angles: Any, works: int = 0, states: int = 0) -> AlphaIntegration:
+def new_integration(work: Any, angles: Any, n_loads: int = 0, states: int = 0) -> AlphaIntegration:
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles.
 
-    The works of the first `works` loads are kept; `states`: those of signals.
+    The mechanical work of the first `n_loads` loads is integrated; `states`: those of signals.
     """
     m, n = work.jacobian.shape[0], work.motions.shape[0]
     counted = 2 * n + work.mass.shape[0] + states
-    size = counted + 1 + works
+    size = counted + 1 + n_loads
     return AlphaIntegration(
         new_clock(counted), np.zeros(1, MEMORY),
         np.zeros(size), np.zeros(size), np.zeros(size), np.ones(size),
         np.zeros((3, angles)), np.zeros((5, n)), np.zeros((3, n)), np.zeros((3, n)), np.zeros((3, n)),
-        np.zeros((3, m)), np.zeros((3, works)), work._replace(reduced=paged_zeros(work.reduced.shape)),
+        np.zeros((3, m)), np.zeros((3, n_loads)), work._replace(reduced=paged_zeros(work.reduced.shape)),
         np.zeros((3, states)),
     )  # fmt: skip
 

@@ -171,19 +171,19 @@ MEMORY = np.dtype(
 )
 
 
-def new_integration(work: Any, angles: Any, works: int = 0, states: int = 0) -> RadauIntegration:
+def new_integration(work: Any, angles: Any, n_loads: int = 0, states: int = 0) -> RadauIntegration:
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles.
 
-    The works of the first `works` loads are kept; `states`: those of signals.
+    The mechanical work of the first `n_loads` loads is integrated; `states`: those of signals.
     """
     n = work.motions.shape[0]
-    size = (counted := 2 * n + work.mass.shape[0] + states) + 1 + works
+    size = (counted := 2 * n + work.mass.shape[0] + states) + 1 + n_loads
     return RadauIntegration(
         new_clock(counted), np.zeros(1, MEMORY),
         np.zeros(size), np.zeros(size), np.zeros(size), np.ones(size),
         np.zeros((3, angles)), np.zeros((2 * (STAGES + 1), n)),
         np.zeros((STAGES, n)), np.zeros((STAGES, n)), np.zeros((STAGES, n)), np.zeros((STAGES, n)),
-        np.zeros((STAGES, n)), np.zeros(n), np.zeros(STAGES), np.zeros((STAGES + 2, works)),
+        np.zeros((STAGES, n)), np.zeros(n), np.zeros(STAGES), np.zeros((STAGES + 2, n_loads)),
         np.zeros((STAGES, n)),
         paged_zeros((STAGES, n, n)), paged_zeros((3, n, n)), paged_zeros((n, n), complex),
         np.zeros(n), np.zeros(n, complex), work._replace(reduced=paged_zeros((n, n))),

@@ -42,9 +42,9 @@ class Integration(NamedTuple):
     units: np.ndarray  # (n,) a state's unit, of which the absolute tolerance is
 
 
-def new_integration(n: int, works: int = 1) -> Integration:
-    """An integration at time 0 with an empty state of n numbers, the last of which are works."""
-    clock = new_clock(n - works)
+def new_integration(n: int, n_loads: int = 1) -> Integration:
+    """An integration at time 0 with an empty state of n numbers, the last of which are works of loads."""
+    clock = new_clock(n - n_loads)
     clock["fault"] = SOLVED
     states = [np.zeros(n) for _ in range(3)]
     return Integration(clock, *states, np.zeros((ASIDE + 1, n)), np.zeros((DENSE_TERMS, n)), np.ones(n))  # type: ignore[call-arg]
