@@ -130,7 +130,7 @@ def _descriptions(folder: Path) -> Iterator[tuple[tuple[str, str], str]]:
 
 
 def _whole_names(names: tuple[str, ...] | list[Any]) -> Iterator[Any]:
-    """Complete names such as `_n5` behind `shaft_beam_n2`."""
+    """Complete names such as `_n5` after `shaft_beam_n2`."""
     for name in names:
         yield names[0].rpartition("_")[0] + name if name.startswith("_") else name
 

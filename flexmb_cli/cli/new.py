@@ -104,9 +104,9 @@ class _Talk:
         self.path = path
         self.draft = "flexmb.draft" if path == "-" else f"{path}.draft"
         self.at_terminal = sys.stdin.isatty()
-        # Who pipes answers has them: a second try begins with the first of them, and not behind a draft.
+        # Who pipes answers has them: a second try begins with the first of them, and not after a draft.
         self.keeps_draft = self.at_terminal or with_draft
-        # A title in another character code is no reason to lose the answers behind it.
+        # A title in another character code is no reason to lose the answers after it.
         if isinstance(sys.stdin, io.TextIOWrapper):
             sys.stdin.reconfigure(errors="replace")
         self.lines: list[Any] = []  # of a pipe, for the places of faults

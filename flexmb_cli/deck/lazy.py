@@ -41,7 +41,7 @@ class Made(Lazy):
 
 
 class Chained(Lazy):
-    """Sequences one behind the other."""
+    """Sequences one after the other."""
 
     def __init__(self, parts: Sequence[Sequence[Any]]):
         self.parts = tuple(part for part in parts if len(part))

@@ -2,7 +2,7 @@
 
 They are kept under the hash of what they are made of: files, settings, layout.  Files of the cache appear
 whole or not at all, hold plain arrays and text (no pickle), and one that cannot be read is made anew.  They
-are notes and arrays of numpy's one behind the other: archives need modules that take longer to import than
+are notes and arrays of numpy's one after the other: archives need modules that take longer to import than
 all the rest to read.
 """
 
@@ -27,7 +27,7 @@ from .interface_nodes import own_input, with_interface_nodes
 
 # To be raised when the arrays, or how they are computed, change.
 LAYOUT = 18
-# Bytes behind the arrays: a damage anywhere makes the body anew, instead of another body.
+# Bytes after the arrays: a damage anywhere makes the body anew, instead of another body.
 DIGEST = 32
 _VARIABLES = (("FLEXMB_CACHE_DIR", ""), ("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache"))
 _ENDING = ".body"

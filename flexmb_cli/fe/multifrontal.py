@@ -2,7 +2,7 @@
 
 George, SIAM J. Numer. Anal. 10 (1973), 345-363: the nodes of a half that touch the other half are eliminated
 after both.  Duff and Reid, ACM Trans. Math. Softw. 9 (1983), 302-325: a part is eliminated in a dense front
-of its rows and of those behind it that they reach.  Dense products make it as fast as CHOLMOD and PARDISO.
+of its rows and of those after it that they reach.  Dense products make it as fast as CHOLMOD and PARDISO.
 """
 
 from collections.abc import Callable, Iterator
@@ -16,7 +16,7 @@ from scipy.linalg import blas, lapack
 # Nodes of a part that is not halved again.
 LEAF = 60
 
-# First and last row of a part, the rows behind it that it reaches, the inverse of its diagonal factor, and
+# First and last row of a part, the rows after it that it reaches, the inverse of its diagonal factor, and
 # the factor of those rows.
 Front = tuple[int, int, np.ndarray, np.ndarray, np.ndarray]
 

@@ -105,7 +105,7 @@ class Finite(click.FloatRange):
 
 
 class Millimetres(Finite):
-    """A width on paper: mm, or with `cm` or `in` behind the number."""
+    """A width on paper: mm, or with `cm` or `in` after the number."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The width in mm, or a usage error."""

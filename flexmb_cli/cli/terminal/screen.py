@@ -127,7 +127,7 @@ def _fitted_line(line: str, width: int) -> str:
     bare = line.rstrip("\n")
     if len(bare) <= width or not COLUMN_GAP.search(bare):
         return line
-    # The gap behind the last cell that fits, with room for the mark; a cell of prose is cut between words.
+    # The gap after the last cell that fits, with room for the mark; a cell of prose is cut between words.
     end = bare.rfind("  ", 0, width)
     cell = re.split(r" {2,}", bare[end:].strip())[0] if end >= 0 else ""
     if len(cell.split()) > 2:

@@ -6,7 +6,7 @@ each of its ends.
 
 Skyline storage of a symmetric matrix, as DFIN of DAFMS reads it (thesis of Zhao, 1992, appendix C).
 
-Columns of the upper triangle stand one behind the other, each from its first stored row down to the
+Columns of the upper triangle stand one after the other, each from its first stored row down to the
 diagonal; `addresses` (n,) are those of the diagonals, counted from 1.
 """
 

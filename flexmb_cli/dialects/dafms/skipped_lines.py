@@ -67,8 +67,8 @@ class SkippedLines:
         report = self.records.report
         more = f", with {_lines(self._count - 1)} after it" if self._count > 1 else ""
         if _DATA.fullmatch(word):
-            behind = f"after card '{self.card}'" if self.card else self.where
-            message = f"{_lines(self._count)} {behind} skipped: no card reads them"
+            preceding = f"after card '{self.card}'" if self.card else self.where
+            message = f"{_lines(self._count)} {preceding} skipped: no card reads them"
             report("warning", "", message, place, id="DAFMS-186")
         elif known := resembling(word):
             message = f"unknown card '{word}' skipped{more}; is '{known}' meant?"

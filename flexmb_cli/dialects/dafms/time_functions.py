@@ -26,18 +26,18 @@ def build_functions_of_time(
     springs = [
         spring(record.subject, _coordinate(where), stiffness, rest, place=record.place)
         for record, where in hinged("spring")
-        for stiffness, rest in [_behind_the_hinge(record)]
+        for stiffness, rest in [_after_the_hinge(record)]
     ]
     springs += _dampers(hinged("damper"), findings)
     motors = [
-        _motor(record, where, piecewise(polynomial(_behind_the_hinge(record))))
+        _motor(record, where, piecewise(polynomial(_after_the_hinge(record))))
         for record, where in hinged("motor")
     ]
     motors += [_motor(record, where, _table(record, findings)) for record, where in hinged("motor_table")]
     drives = [
         Prescribed(*where, C, B, A, record.place)
         for record, where in hinged("prescribed")
-        for C, B, A in [_behind_the_hinge(record)]
+        for C, B, A in [_after_the_hinge(record)]
     ]
     _check_drives(drives, findings)
     _check_rotations(values, bodies, findings)
@@ -51,7 +51,7 @@ def build_functions_of_time(
 def _dampers(entries: Iterator[Any], findings: Findings) -> list[Element]:
     dampers = []
     for record, where in entries:
-        (damping,) = _behind_the_hinge(record)
+        (damping,) = _after_the_hinge(record)
         if damping < 0:
             message = f"CS = {damping}: a negative damper feeds energy in"
             findings.warn(record.subject, message, record.at("CS").place, id="DAFMS-056")
@@ -68,7 +68,7 @@ def _motor(record: Record, where: tuple[int, str, int], function: MotionFunction
     return Element(record.subject, MOTOR, _coordinate(where), (function,), record.place)
 
 
-def _behind_the_hinge(record: Record) -> list[Any]:
+def _after_the_hinge(record: Record) -> list[Any]:
     """Return the values after K and A, by their places.
 
     Not by their keys: the table of keys that a record then makes takes 460 bytes, for up to 100,000 records.

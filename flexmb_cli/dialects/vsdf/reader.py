@@ -112,10 +112,10 @@ class _Reader(CardReader):
                 self.bare = None
                 self._read_record(card, line)
             elif not self.unknown:
-                behind = (
+                preceding = (
                     "after END, where nothing is read" if ended else "after a block, which ends before it"
                 )
-                where = behind if ended or self.blocks else "before any keyword"
+                where = preceding if ended or self.blocks else "before any keyword"
                 self.error("", f"a data card stands {where}", Place(self.at, 1), id="VSDF-154")
         self._check_end(ended)
 

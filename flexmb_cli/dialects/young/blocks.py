@@ -28,20 +28,20 @@ def read_blocks_after(reader: BlockReader, last: int, marker: re.Pattern[str]) -
     block; lines of elements outside blocks are faults.
     """
     lines = reader.lines
-    first, behind, prose = True, last, []
+    first, last_read, prose = True, last, []
     for n, line in enumerate(without_braces(lines, last), last + 1):
-        if n <= behind or not line.strip():
+        if n <= last_read or not line.strip():
             continue
         if marker.fullmatch(line):
             break
         if begins_block(line) and (first or element_follows(lines, without_braces, n)):
-            behind = reader.read(n) - 1
-            reader.faults += _unclosed(lines, behind)
+            last_read = reader.read(n) - 1
+            reader.faults += _unclosed(lines, last_read)
         else:
             prose.append((n, line))
         first = False
     reader.faults += stray_lines(prose)
-    return behind
+    return last_read
 
 
 def _unclosed(lines: Lines, last: int) -> list[Fault]:
@@ -65,18 +65,18 @@ OLD_WORDS = LINES["young"]
 _NUMBER = r"[-+]?\.?\d[-+.\deEdD]*"
 
 
-def unread_lines(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator[Fault]:
-    """Warn of the lines after line `behind` of a deck without dynamic cards that look like such cards."""
-    slips = list(_like_openings(lines, behind))
+def unread_lines(lines: Lines, last_read: int, keywords: Iterable[str]) -> Iterator[Fault]:
+    """Warn of the lines after line `last_read` of a deck without dynamic cards that look like such cards."""
+    slips = list(_like_openings(lines, last_read))
     message = (
         "is read as prose: a card needs the line DYNAMICS inverse, DYNAMICS forward or GEOMETRY before it"
     )
     # Cards after a misspelt opening line have that one cause.
-    return iter(slips) if slips else _cards(lines, behind, keywords, message, id="YOUNG-156")
+    return iter(slips) if slips else _cards(lines, last_read, keywords, message, id="YOUNG-156")
 
 
-def _like_openings(lines: Lines, behind: int) -> Iterator[Any]:
-    text, start = _without_comments(lines, behind)
+def _like_openings(lines: Lines, last_read: int) -> Iterator[Any]:
+    text, start = _without_comments(lines, last_read)
     for match in _LIKE_OPENING.finditer(text):
         if _is_like_opening(match[2]):
             message = (
@@ -87,14 +87,14 @@ def _like_openings(lines: Lines, behind: int) -> Iterator[Any]:
             yield Fault("warning", message, place, id="YOUNG-019")
 
 
-def cards_after_end(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator[Fault]:
-    """Warn of cards after line `behind`, which holds END."""
+def cards_after_end(lines: Lines, last_read: int, keywords: Iterable[str]) -> Iterator[Fault]:
+    """Warn of cards after line `last_read`, which holds END."""
     message = "stands after END and is not read: put it before END"
-    yield from _cards(lines, behind, keywords, message, id="YOUNG-178")
+    yield from _cards(lines, last_read, keywords, message, id="YOUNG-178")
 
 
-def _cards(lines: Lines, behind: int, keywords: Iterable[str], message: str, *, id: str) -> Iterator[Any]:
-    text, start = _without_comments(lines, behind)
+def _cards(lines: Lines, last_read: int, keywords: Iterable[str], message: str, *, id: str) -> Iterator[Any]:
+    text, start = _without_comments(lines, last_read)
     counts: dict[str, int] = {}
     card = rf"^[ \t]*({'|'.join((*keywords, *OLD_WORDS))})[ \t]+{_NUMBER}(?:[ \t]+{_NUMBER})*[ \t]*$"
     for match in re.finditer(card, text, re.IGNORECASE | re.MULTILINE):
@@ -107,9 +107,9 @@ def _cards(lines: Lines, behind: int, keywords: Iterable[str], message: str, *, 
             yield Fault("warning", f"{word} {message}", place, id=id)
 
 
-def _without_comments(lines: Lines, behind: int) -> tuple[Any, Any]:
+def _without_comments(lines: Lines, last_read: int) -> tuple[Any, Any]:
     """The text after a line with blanks for comments and one type of line end, and where it starts."""
-    start = lines.start_of(behind)
+    start = lines.start_of(last_read)
     text = lines.text[start:].replace("\r", "\n")
     # A crowd of braces that nothing closes would be searched to the end of the text, each of them.
     closed = text.rfind("}") + 1

@@ -58,19 +58,21 @@ def read_young_deck(source: DeckText) -> Deck:
     deck = _read_numbers(source)
     step = deck.one("time").at("step").place
     assert step is not None, "the step is read from the deck"
-    blocks, behind = _blocks_after(source, step.line)
-    opening = _opening(deck, behind)
+    blocks, last_read = _blocks_after(source, step.line)
+    opening = _opening(deck, last_read)
     if opening is None:
         if blocks and any(fault.severity == "error" for fault in blocks.faults):
             raise DeckError((*deck.warnings, *blocks.faults))
-        unread = unread_lines(source.lines, behind, BY_KEYWORD)
+        unread = unread_lines(source.lines, last_read, BY_KEYWORD)
         records = _with_lines(deck.records, blocks.records) if blocks else deck.records
         return replace(deck, records=records, warnings=(*deck.warnings, *unread))
     cards = _Cards(source, opening, blocks)
     cards.read()
     if any(fault.severity == "error" for fault in cards.made.faults):
         raise DeckError((*deck.warnings, *cards.made.faults))
-    return replace(deck, records=cards.behind(deck.records), warnings=(*deck.warnings, *cards.made.faults))
+    return replace(
+        deck, records=cards.appended_to(deck.records), warnings=(*deck.warnings, *cards.made.faults)
+    )
 
 
 def analysis_of(deck: Deck) -> 'Literal["inverse", "forward"] | None':
@@ -123,9 +125,9 @@ def _with_lines(records: Any, lines: Sequence[Record]) -> Any:
     return ManyRecords([*blocks_of(records), *blocks_of(lines)])
 
 
-def _opening(deck: Deck, behind: int) -> int | None:
+def _opening(deck: Deck, last_read: int) -> int | None:
     """Number of the line after another one that opens the cards, None without one."""
-    return next((n for n, line in _lines_after(deck, behind) if MARKER.fullmatch(line)), None)
+    return next((n for n, line in _lines_after(deck, last_read) if MARKER.fullmatch(line)), None)
 
 
 def _lines_after(deck: Any, last: int) -> Iterator[tuple[int, str]]:
@@ -155,7 +157,7 @@ class _Cards:
     shapes_alone: bool = False
     stray: int = 0  # line of an element outside a block
 
-    def behind(self, records: tuple[Record, ...] | BySection) -> tuple[Record, ...] | BySection:
+    def appended_to(self, records: tuple[Record, ...] | BySection) -> tuple[Record, ...] | BySection:
         """Return the records of the cards after those of kinematics; many ones are made when looked at."""
         if isinstance(records, tuple) and self.numbers <= many_records.MANY_NUMBERS:
             return *records, *self.records, *self.lines
@@ -205,8 +207,8 @@ class _Cards:
                 card = [word]
                 if word.text.upper() == LAST_CARD:
                     self.made.faults += cards_after_end(self.source.lines, word.line, BY_KEYWORD)
-                    behind = refuse_after(self.source.lines, without_braces, word.line, LAST_CARD)
-                    self.made.faults += behind
+                    faults = refuse_after(self.source.lines, without_braces, word.line, LAST_CARD)
+                    self.made.faults += faults
                     return None
             elif card:
                 card.append(word)

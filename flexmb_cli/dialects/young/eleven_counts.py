@@ -46,7 +46,7 @@ def are_eleven_counts(texts: Sequence[str]) -> bool:
     return True
 
 
-def lines_begin_records(words: Iterable[Word], sizes: Iterable[int], behind: Word | None) -> bool:
+def lines_begin_records(words: Iterable[Word], sizes: Iterable[int], next_word: Word | None) -> bool:
     """Return whether every line begins with a record and the last number ends its line.
 
     A deck of 12 counts that has lost one does not look so: its body estimates have seven numbers.
@@ -56,7 +56,7 @@ def lines_begin_records(words: Iterable[Word], sizes: Iterable[int], behind: Wor
         if before is None or word is None or (before and word.line != line):
             return False
         line = word.line
-    return behind is None or behind.line != line
+    return next_word is None or next_word.line != line
 
 
 def _within(sizes: Any) -> Iterator[Any]:

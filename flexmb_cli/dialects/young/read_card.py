@@ -93,10 +93,10 @@ class ReadCard(Record):
     @cached_property
     def numbers(self) -> tuple[Number, ...]:
         """The numbers with their places."""
-        behind = words_from(self._source.lines, self._start)
-        keyword = next(behind)
-        words = [next(behind)] if self._kind.begins_with_text else []
-        for word in behind:
+        words_ahead = words_from(self._source.lines, self._start)
+        keyword = next(words_ahead)
+        words = [next(words_ahead)] if self._kind.begins_with_text else []
+        for word in words_ahead:
             if is_keyword(word) and not wants_text({self._kind.keyword: self._kind}, [keyword, *words], word):
                 break
             words.append(word)

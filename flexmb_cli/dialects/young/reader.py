@@ -111,9 +111,9 @@ def _read_earlier(source: DeckText) -> Deck:
     reading = _Reading(source, EARLIER_SECTIONS)
     deck = _read(reading)
     reading.words.reach(reading.taken + 1)
-    behind = reading.words[reading.taken] if len(reading.words) > reading.taken else None
+    next_word = reading.words[reading.taken] if len(reading.words) > reading.taken else None
     sizes = (len(record.values) for record in deck.records)
-    if not lines_begin_records(reading.words.upto(reading.taken), sizes, behind):
+    if not lines_begin_records(reading.words.upto(reading.taken), sizes, next_word):
         raise DeckError(
             [Fault("error", "its lines do not begin with records of the earlier version", id="YOUNG-055")]
         )
@@ -287,14 +287,14 @@ def _values(
 def _slips_of(reading: _Reading, counts: ReadRecord) -> tuple[Fault, ...]:
     """Slips, looked for only where the numbers needed do not end with a line: no other deck has any."""
     needed = sum(size for _, size in _blocks(reading, counts)) + len(counts.values)
-    behind = _words_after(reading)
-    if reading.taken == needed and not behind:
+    rest = _words_after(reading)
+    if reading.taken == needed and not rest:
         return ()
     # No record is empty, so the words taken bound the number of records worth listing.
     expected = islice(_expected(reading, counts), reading.taken)
     sizes = [(subject_of(section, k), len(section.columns)) for section, k in expected]
     taken = reading.words.upto(reading.taken)
-    return slips([*taken, *behind], [(COUNTS.subject, len(counts.values)), *sizes])
+    return slips([*taken, *rest], [(COUNTS.subject, len(counts.values)), *sizes])
 
 
 def _words_after(reading: _Reading) -> list[Word]:
@@ -308,9 +308,9 @@ def _lines_after(reading: _Reading, last: int) -> tuple[Any, Any]:
     end = reading.taken
     reading.words.reach(end + 2 * LONGEST_RECORD)
     known = min(end + 2 * LONGEST_RECORD, len(reading.words))
-    behind = [reading.words[place] for place in range(end, known)]
-    rest = [word for word in behind if word.line == last]
-    following = [word for word in behind if word.line != last]
+    unread = [reading.words[place] for place in range(end, known)]
+    rest = [word for word in unread if word.line == last]
+    following = [word for word in unread if word.line != last]
     return rest, [word for word in following if word.line == following[0].line]
 
 

@@ -20,7 +20,7 @@ class BulkCard(NamedTuple):
 
     name: str  # in capitals
     line: Line  # that it begins on
-    fields: list[str]  # behind the name
+    fields: list[str]  # after the name
 
     def card_fault(self, message: str, *, id: str) -> FEFileFault:
         """Return the fault of this card."""
@@ -109,7 +109,7 @@ def _check_head(line: Line, head: str, names: tuple[str, ...], follows: bool) ->
 
 
 def _fields(line: str, head: str) -> list[str]:
-    """Fields behind the head of a line; a card of small fields has eight, of large ones four."""
+    """Fields after the head of a line; a card of small fields has eight, of large ones four."""
     if "," in line:
         fields = [cell.strip() for cell in line.split(",")[1:]]
         count = 4 if head.endswith("*") else 8

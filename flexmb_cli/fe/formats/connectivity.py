@@ -180,7 +180,7 @@ _BDF_OTHERS = (
     "CQUADX", "CBUSH1D", "CBUSH2D", "CFAST", "CGAP", "CSEAM", "CWELD", "CMASS3", "CMASS4", "RSPLINE",
     "RJOINT", "RTRPLT", "PLOTEL",
 )  # fmt: skip
-# Fields of grid points behind the numbers of element and property.
+# Fields of grid points after the numbers of element and property.
 _MOST_POINTS = {"CHEXA": 20, "CTETRA": 10}
 
 

@@ -149,7 +149,7 @@ def _components(card: BulkCard, field: int) -> str:
 
 
 _CORDS = tuple(f"CORD{points}{type}" for points in "12" for type in "RCS")
-# Fields of GRID behind its number and those that GRDSET gives where they are empty.
+# Fields of GRID after its number and those that GRDSET gives where they are empty.
 _CP, _X, _CD, _PS, _SEID = 1, 2, 5, 6, 7
 _DEFAULTS = (_CP, _CD, _PS, _SEID)
 # So many systems may be defined in one another.

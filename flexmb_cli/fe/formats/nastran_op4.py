@@ -1,7 +1,7 @@
 """Nastran matrices as OP4 (module OUTPUT4): dense, sparse and BIGMAT; rows follow the node table.
 
 MSC Nastran DMAP Programmer's Guide, OUTPUT4.  A heading of columns, rows, form, type and name begins a
-matrix, a record for every column that is not zero follows, and one behind the last column closes it.  Binary
+matrix, a record for every column that is not zero follows, and one after the last column closes it.  Binary
 files are Fortran records, of either byte order, with words of four or eight bytes.  In text every line with
 a point holds values; a line of integers only heads a column, or a string of values in it.
 """
@@ -41,7 +41,7 @@ class _Text(NamedTuple):
     numbers: Sequence[int]  # of these lines in the file
 
     def fault(self, at: int, message: str, *, id: str) -> FEFileFault:
-        """Return the fault of line `at`, or behind the last one."""
+        """Return the fault of line `at`, or after the last one."""
         number = self.numbers[at] if at < len(self.lines) else self.numbers[-1] + 1
         return line_fault(self.name, number, message, id=id)
 
@@ -72,7 +72,7 @@ def _text_matrices(path: Path) -> list[NamedMatrix]:
 
 
 def _end(lines: list[str], at: int, columns: int) -> int:
-    """The line behind a matrix: a column behind the last one closes it, with a value of no meaning."""
+    """The line after a matrix: a column after the last one closes it, with a value of no meaning."""
     for number in range(at + 1, len(lines)):
         words = lines[number].split()
         if len(words) == 3 and words[0].isdecimal() and int(words[0][:16]) > columns:
@@ -124,7 +124,7 @@ def _heading(text: _Text, at: int) -> tuple[int, int, int, str, int]:
 
 
 def _values(text: _Text, at: int, width: int) -> tuple[np.ndarray, int]:
-    """Values of one string, which begins at line `at`, and the line behind it."""
+    """Values of one string, which begins at line `at`, and the line after it."""
     values = []
     while text.holds_values(at):
         line = text.lines[at].rstrip()
@@ -187,7 +187,7 @@ def _layout(file: str, raw: bytes) -> _Layout:
 
 
 def _records(layout: _Layout, raw: memoryview) -> Iterator[memoryview]:
-    """Records between their lengths, which stand before and behind."""
+    """Records between their lengths, which stand before and after."""
     at = 0
     while at < len(raw):
         length = struct.unpack_from(f"{layout.order}i", raw, at)[0] if at + 4 <= len(raw) else -1
@@ -200,7 +200,7 @@ def _records(layout: _Layout, raw: memoryview) -> Iterator[memoryview]:
 
 
 def _columns(layout: _Layout, columns: int, records: Iterator[memoryview]) -> Iterator[memoryview]:
-    """The records of a matrix: of its columns, and the one of a column behind the last that closes it."""
+    """The records of a matrix: of its columns, and the one of a column after the last that closes it."""
     for record in records:
         yield record
         if layout.integers(record, 0, 1)[0] > columns:
