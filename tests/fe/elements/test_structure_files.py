@@ -185,6 +185,7 @@ def test_frequencies_of_a_cantilever_are_those_of_calculix(tmp_path, kind):
     assert found == pytest.approx(expected, rel=0.01)
 
 
+@pytest.mark.long_motion
 def test_a_panel_of_shells_swings_like_a_rigid_pendulum():
     """shell_panel.vsdf: from the horizontal to the vertical in a quarter of the period 4 K(1/2) √(J/(m g c)).
 

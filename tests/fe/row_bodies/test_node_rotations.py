@@ -16,6 +16,8 @@ from flexmb_cli.cli.table import table
 from flexmb_cli.interface import solve
 from tests.fe.row_bodies.row_decks import DECKS
 
+pytestmark = pytest.mark.long_motion
+
 
 @pytest.fixture(scope="module")
 def result(tmp_path_factory):

@@ -26,6 +26,7 @@ def figures(note):
     return [float(number) for number in re.findall(r"(?:with|is|about) (\S+?)(?: rad|,)", note.message)]
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("on", [True, False])
 def test_a_beam_that_is_spun_up_has_a_note_without_stiffening(tmp_path, on):
     path = tmp_path / "x.vsdf"
@@ -53,5 +54,6 @@ def test_a_beam_of_a_tree_has_a_note_unless_it_is_stiffened():
     assert "GSTF" in note.message
 
 
+@pytest.mark.long_motion
 def test_slow_bodies_have_no_notes():
     assert not notes(DECKS.parent / "dafms/pendulum.DAT")
